@@ -10,12 +10,19 @@ use std::sync::Arc;
 pub struct Drawer {
     on: DrawOn,
     open: Option<Arc<DeviceRenderer>>,
+    /// The most of its memory that is taken, bytes, if there is a limit.
+    memory: Option<u64>,
 }
 
 impl Drawer {
     /// None is open yet.
     pub fn new(on: DrawOn) -> Drawer {
-        Drawer { on, open: None }
+        Drawer { on, open: None, memory: None }
+    }
+
+    /// The same, with a limit on the memory of the device that is taken, bytes, if one is given.
+    pub fn within(self, memory: Option<u64>) -> Drawer {
+        Drawer { memory, ..self }
     }
 
     /// The device, opened if it is not, or has failed; none if the processor draws.
@@ -31,7 +38,12 @@ impl Drawer {
         };
         if self.open.is_none() {
             match DeviceRenderer::open(&choice) {
-                Ok(device) => self.open = Some(Arc::new(device)),
+                Ok(mut device) => {
+                    if let Some(bytes) = self.memory {
+                        device.limit_memory(bytes);
+                    }
+                    self.open = Some(Arc::new(device));
+                }
                 Err(why) if self.on == DrawOn::Auto => {
                     if !matches!(why, GpuError::NoAdapter { .. }) {
                         eprintln!("--backend auto: the processor draws: {why}");

@@ -26,7 +26,7 @@ fn frames(job: RenderFrames) -> Outcome {
     let (input, home) = (job.frames.input.clone(), job.frames.home.clone());
     let (binding, source) = model_run::provide(job.frames)?;
     let mut image_job = ImageJob::resolve(binding, source, job.folder, &job.options)?;
-    let mut drawer = Drawer::new(job.on);
+    let mut drawer = Drawer::new(job.on).within(job.gpu_memory);
     let frames = (&image_job.frames[..], image_job.is_all);
     MadeOf::write(&Ledger::of(&image_job.folder), (&input, &home), job.options.choices, frames)?;
     let failed = images::render(&mut image_job, job.shard, job.statistics, &mut drawer)?;
@@ -43,7 +43,7 @@ fn scene(job: &RenderScene) -> Outcome {
     let mut context = context(&job.files)?;
     context.shard = job.shard;
     context.allow_outside = job.allow_outside;
-    context.device = Drawer::new(job.on.clone()).device()?;
+    context.device = Drawer::new(job.on.clone()).within(job.gpu_memory).device()?;
     let progress = Arc::new(Progress::start("rendering", 100, "%"));
     let bar = progress.clone();
     context.on_progress(move |done, all| bar.at((100 * done / all.max(1)) as u64));

@@ -15,20 +15,27 @@ fn scree_render_draws_on_a_device() {
     }
     let folder = scratch();
     let scene = folder.path().join("t.rib");
-    let write = |options: &str| {
-        let world = "WorldBegin LightSource \"distantlight\" 1 Surface \"matte\" Sphere 1 -1 1 360 WorldEnd";
-        std::fs::write(&scene, format!("Display \"t.png\" \"png\" \"rgb\" {options} {CAMERA}{world}")).unwrap();
+    let write = |world: &str| {
+        let lit = "WorldBegin LightSource \"distantlight\" 1 Surface \"matte\"";
+        std::fs::write(&scene, format!("Display \"t.png\" \"png\" \"rgb\" {CAMERA}{lit} {world} WorldEnd")).unwrap();
     };
     let out = folder.path().display().to_string();
     let command = ["render", scene.to_str().unwrap(), "-o", &out, "--backend", "gpu", "--adapter", "0"];
-    write("");
+    let image = || std::fs::read(folder.path().join("t.png")).unwrap();
+    write("Opacity [0.5 0.5 0.5] Sphere 1 -1 1 360");
     let answer = scree(&command);
     assert!(!answer.errors().contains("processor"), "{}", answer.errors());
     answer.ok();
-    write("ClippingPlane 0 0 0 0 0 1");
+    let drawn = image();
+    let answer = scree(&command.iter().copied().chain(["--gpu-memory", "64MiB"]).collect::<Vec<_>>());
+    assert!(!answer.errors().contains("processor"), "{}", answer.errors());
+    answer.ok();
+    assert!(image() == drawn, "within less memory");
+    let part = |x: f32| format!("SolidBegin \"primitive\" Translate {x} 0 0 Sphere 1 -1 1 360 SolidEnd");
+    write(&format!("SolidBegin \"difference\" {} {} SolidEnd", part(0.0), part(1.0)));
     let answer = scree(&command);
     assert_eq!(
-        answer.errors().matches("the processor has drawn the image: the scene has clipping planes").count(),
+        answer.errors().matches("the processor has drawn the image: the scene has solids").count(),
         1,
         "{}",
         answer.errors()
@@ -36,6 +43,8 @@ fn scree_render_draws_on_a_device() {
     answer.ok();
     let answer = scree(&["render", scene.to_str().unwrap(), "-o", &out, "--backend", "gpu", "--adapter", "nobody's"]);
     assert!(answer.fails(2).contains("nobody's"));
+    let answer = scree(&["render", scene.to_str().unwrap(), "-o", &out, "--backend", "cpu", "--gpu-memory", "1GiB"]);
+    assert!(answer.fails(2).contains("--gpu-memory"));
     let answer = scree(&["render", scene.to_str().unwrap(), "-o", &out, "--adapter", "0"]);
     assert!(answer.fails(2).contains("--backend gpu"));
 }

@@ -116,7 +116,7 @@ fn variables_of_a_sphere_are_those_of_its_equation() {
 
 #[test]
 fn layers_are_composited_each_in_its_way() {
-    // A red sheet before a green one: a quarter opaque, it leaves the depth behind it; three quarters, it has its own.
+    // A red sheet before a green one: a quarter opaque, it leaves the depth behind it; three quarters, it has its own. Colours count by the opacity.
     for (opacity, depth, id) in [(0.25, 6.0, 2.0), (0.75, 4.0, 1.0)] {
         let a = render(&format!(
             "{DISPLAYS} {VIEW} WorldBegin LightSource \"distantlight\" 1 \"to\" [0 0 1] Surface \"parts\"
@@ -130,7 +130,7 @@ fn layers_are_composited_each_in_its_way() {
         near("Z", depth);
         near("P.Z", depth - 5.0);
         near("id", id);
-        near("base.R", 1.0);
+        near("base.R", opacity);
         near("base.G", 1.0 - opacity);
         near("A", 1.0);
     }

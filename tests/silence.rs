@@ -1,7 +1,7 @@
 //! Nothing is silent: what cannot be drawn as it stands, and what grows without end, is said with its place.
 
 use crate::cli::{Answer, scratch, scree};
-use crate::rendering::ORTHO;
+use crate::rendering::{ORTHO, render_with};
 
 /// What is said of a scene with shaders beside it.
 fn said(files: &[(&str, &str)], text: &str) -> Answer {
@@ -31,6 +31,14 @@ fn what_cannot_be_drawn_as_it_stands_is_said_with_its_place() {
             "t.rib:4:45: a primitive under a transformation that cannot",
         ),
         ("Skew 90 0 1 0 1 0 0 Disk 0 .8 360\n", "t.rib:4:1: the angle of a skew is 90, expected less than 90 degrees"),
+        ("Skew 91 0 1 0 1 0 0 Disk 0 .8 360\n", "t.rib:4:1: the angle of a skew is 91, expected less than 90 degrees"),
+        ("Skew -180 0 1 0 1 0 0 Disk 0 .8 360\n", "t.rib:4:1: the angle of a skew is -180, expected less than 90"),
+        ("Opacity [-1 0 0]\nDisk 0 .8 360\n", "t.rib:4:1: `Opacity` is [-1 0 0], expected 0 to 1"),
+        ("Opacity [2 1 1]\nDisk 0 .8 360\n", "t.rib:4:1: `Opacity` is [2 1 1], expected 0 to 1"),
+        (
+            "Surface \"constant\"\nDisk 0 .8 360 \"uniform color Os\" [1 2 1]\n",
+            "shaders/surface/constant.sl: the shader `constant` gives opacities below 0 or above 1, at ",
+        ),
         ("Polygon \"P\" [0 0 0 .5 0 0 1 0 0]\n", "t.rib:4:1: a polygon whose vertices lie in a row has no area"),
         ("Polygon \"P\" [0 0 0 .5 0 0 1 0 0 .2 0 0 .1 0 0]\n", "t.rib:4:1: a polygon whose vertices lie in a row"),
         (solid(tube).as_str(), open),
@@ -38,7 +46,25 @@ fn what_cannot_be_drawn_as_it_stands_is_said_with_its_place() {
         let answer = said(&[], &format!("{head}{world}WorldEnd\n"));
         assert!(answer.errors().contains(expected), "{world}: {}", answer.errors());
     }
-    for whole in ["", &closed] {
+    // Cones, tubes and bowls without their ends, however they are turned; one with a wedge cut out.
+    for angle in [0, 37, 90, 200] {
+        for part in ["Cone 1 .7 360", "Cylinder .7 -.7 .7 360", "Sphere .8 -.8 0 360", "Sphere .8 -.8 .8 350"] {
+            let part = format!("SolidBegin \"primitive\" Rotate {angle} 1 .3 0 {part} SolidEnd\n");
+            let answer = said(&[], &format!("{head}{}WorldEnd\n", solid(&part)));
+            assert!(answer.errors().contains("does not enclose a volume"), "{part}: {}", answer.errors());
+        }
+    }
+    let cube = "SubdivisionMesh \"catmull-clark\" [4 4 4 4 4 4] [0 1 3 2 2 3 5 4 4 5 7 6 6 7 1 0 1 7 5 3 6 0 2 4]
+        [\"crease\" \"interpolateboundary\"] [5 1 0 0] [0 1 3 2 0] [5] \"P\" [-1 -1 1 1 -1 1 -1 1 1 1 1 1 -1 1 -1 1 1 -1 -1 -1 -1 1 -1 -1]";
+    let creased = format!("SolidBegin \"primitive\" Rotate 30 1 1 0 {cube} SolidEnd\n");
+    let small = |size: f32, part: &str| {
+        format!("SolidBegin \"primitive\" Rotate 30 1 1 0 Scale {size} {size} {size} {part} SolidEnd\n")
+    };
+    let tube = "Cylinder 1 -1 1 360 Disk -1 1 360 Disk 1 1 360";
+    let pencil = "Cone 2 1 360 Disk 0 1 360";
+    for whole in
+        ["", &closed, &creased, &small(0.001, tube), &small(0.005, tube), &small(0.005, pencil), &small(0.5, pencil)]
+    {
         let answer = said(&[], &format!("{head}{}WorldEnd\n", solid(&format!("Sphere .8 -.8 .8 360\n{whole}"))));
         assert!(!answer.errors().contains("enclose"), "{whole}: {}", answer.errors());
     }
@@ -56,4 +82,26 @@ fn what_cannot_be_drawn_as_it_stands_is_said_with_its_place() {
         errors.contains("a string of the shader `t` grows beyond 64 KiB, in ") && errors.contains("t.sl:3"),
         "{errors}"
     );
+    // The place is that of the call that is too long, in a function, too.
+    let doubled = "string d(string s) {\n return concat(s, s); }\nsurface t() { string s = \"abcdefgh\";\n s = d(d(d(d(d(d(d(s)))))));\n s = d(d(d(d(d(d(d(s))))))); Ci = Cs; if (s == \"x\") Ci = 0; }";
+    let answer = said(&[("t.sl", doubled)], &format!("{head}Surface \"t\" Disk 0 .8 360\nWorldEnd\n"));
+    let errors = answer.fails(3);
+    assert!(
+        errors.contains("a string of the shader `t` grows beyond 64 KiB, in ") && errors.contains("t.sl:2:"),
+        "{errors}"
+    );
+}
+
+/// Infinite colours are said, and are in the image as the greatest numbers: none is made of them that is no number.
+#[test]
+fn infinite_colours_are_said_and_are_numbers() {
+    let shader = b"surface t() { Oi = Os; Ci = v; if (u < 0.5) Ci = pow(10, 30) * pow(10, 30); }";
+    for (filter, opacity) in [("\"box\" 1 1", 1.0), ("\"catmull-rom\" 4 4", 1.0), ("\"gaussian\" 2 2", 0.5)] {
+        let options = format!("{ORTHO} PixelFilter {filter}");
+        let square = "Polygon \"P\" [-.8 -.8 0 .8 -.8 0 .8 .8 0 -.8 .8 0]";
+        let world = format!("Surface \"t\" Opacity {opacity} {opacity} {opacity} {square}");
+        let image = render_with(&[("t.sl", shader)], &options, &world);
+        assert!(image.pixels.iter().flatten().all(|x| x.is_finite()), "{filter}");
+        assert!(image.pixels.iter().any(|p| p[0] > 1e20), "{filter}");
+    }
 }

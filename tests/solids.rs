@@ -154,3 +154,16 @@ fn a_long_bore_that_is_cut_open_is_lit_all_over() {
         assert!((found - expected).abs() < 0.04, "{x}: {found}, expected {expected}");
     }
 }
+
+#[test]
+fn very_many_parts_in_one_place_are_shaded_where_they_are_seen() {
+    // Of 1,200 parts in one place, the points that are seen of the first are shaded.
+    let shaded = |n: usize| {
+        let parts = vec![cylinder(0.8, 0.5); n];
+        let parts: Vec<&str> = parts.iter().map(String::as_str).collect();
+        let world = format!("Surface \"constant\"\nRotate 60 1 0 0\n{}", solid("union", &parts));
+        crate::layers::stats(ORTHO, &world)["stats"]["shaded_points"].as_u64().unwrap()
+    };
+    let [few, many] = [shaded(3), shaded(1200)];
+    assert!(many < 2 * few, "{many} points are shaded, {few} of three parts");
+}

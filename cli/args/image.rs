@@ -1,6 +1,6 @@
 //! Arguments of the commands that make images and movies: `render`, `movie`, `rib` and `stitch`.
 
-use super::value::{Backend, Resolution, ShardArg, frame_rate, index, resolution, shard, whole};
+use super::value::{Backend, Resolution, ShardArg, frame_rate, index, resolution, shard, size, whole};
 use clap::{Args, ValueEnum};
 use frame::list::FrameList;
 use std::path::PathBuf;
@@ -93,6 +93,11 @@ pub struct RenderArgs {
     /// part of its name [default: the first that is no software adapter].
     #[arg(long, value_name = "TEXT")]
     pub adapter: Option<String>,
+    /// The most memory that images take of the graphics adapter, as 2GiB, at least
+    /// 64MiB; an image that does not fit is drawn by the processor [default: what
+    /// they need].
+    #[arg(long, value_name = "SIZE", value_parser = size)]
+    pub gpu_memory: Option<u64>,
     /// Print render statistics of every image: primitives, micropolygons,
     /// samples, seconds, memory.
     #[arg(short, long)]

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 /// What to render.
 pub enum RenderJob {
     /// A RIB scene.
-    Scene(RenderScene),
+    Scene(Box<RenderScene>),
     /// Frames of data.
     Frames(Box<RenderFrames>),
 }
@@ -39,6 +39,8 @@ pub struct RenderScene {
     pub statistics: Statistics,
     /// What draws.
     pub on: DrawOn,
+    /// The most memory that is taken of a graphics adapter, bytes, if there is a limit.
+    pub gpu_memory: Option<u64>,
 }
 
 /// Frames to render.
@@ -55,6 +57,8 @@ pub struct RenderFrames {
     pub statistics: Statistics,
     /// What draws.
     pub on: DrawOn,
+    /// The most memory that is taken of a graphics adapter, bytes, if there is a limit.
+    pub gpu_memory: Option<u64>,
 }
 
 /// What draws images.
@@ -81,6 +85,17 @@ impl DrawOn {
     }
 }
 
+impl DrawOn {
+    /// Check a limit on the memory of an adapter, if one is given.
+    fn memory(&self, bytes: Option<u64>) -> Outcome<Option<u64>> {
+        if bytes.is_some() && *self == DrawOn::Cpu {
+            let message = "--gpu-memory limits the memory of a graphics adapter: give --backend gpu or auto with it";
+            return Err(Failure::new(Exit::Usage, message));
+        }
+        Ok(bytes)
+    }
+}
+
 /// Where the render statistics of every image go.
 #[derive(Clone, Copy, Default)]
 pub struct Statistics {
@@ -94,7 +109,7 @@ impl RenderJob {
     /// Check the arguments.
     pub fn check(args: RenderArgs) -> Outcome<RenderJob> {
         if source::is_scene(&args.input) {
-            return Ok(RenderJob::Scene(scene(args)?));
+            return Ok(RenderJob::Scene(Box::new(scene(args)?)));
         }
         let frames = FramesJob::open(&args.input)?;
         let statistics = Statistics { print: args.verbose, write: args.stats };
@@ -110,8 +125,9 @@ impl RenderJob {
         };
         let shard = args.bucket.map(Shard::from);
         let on = DrawOn::check(args.backend, args.adapter)?;
+        let gpu_memory = on.memory(args.gpu_memory)?;
         let options = ImageOptions::check(args.image, args.redraw.redraw)?;
-        Ok(RenderJob::Frames(Box::new(RenderFrames { frames, folder, options, shard, statistics, on })))
+        Ok(RenderJob::Frames(Box::new(RenderFrames { frames, folder, options, shard, statistics, on, gpu_memory })))
     }
 }
 
@@ -125,6 +141,7 @@ fn scene(args: RenderArgs) -> Outcome<RenderScene> {
         return Err(Failure::new(Exit::Usage, message));
     }
     let on = DrawOn::check(args.backend, args.adapter)?;
+    let gpu_memory = on.memory(args.gpu_memory)?;
     let rib = frame::read_bytes(FaultKind::Input, &args.input)?;
     let ImageOptions { programs, allow_outside, .. } = ImageOptions::check(args.image, true)?;
     let files = Files { programs, ..library::files(args.input.parent().unwrap_or(Path::new("."))) };
@@ -139,6 +156,7 @@ fn scene(args: RenderArgs) -> Outcome<RenderScene> {
         shard: args.bucket.map(Shard::from),
         statistics,
         on,
+        gpu_memory,
     })
 }
 

@@ -1,9 +1,10 @@
 //! Typed buffers of a device, which grow, and their read-back, which does not block.
 
-use crate::device::Device;
+use crate::device::{Device, Taken};
 use crate::error::GpuError;
 use bytemuck::Pod;
 use std::marker::PhantomData;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use wgpu::BufferUsages as Usage;
 
@@ -13,6 +14,8 @@ pub struct Buffer<T> {
     pub(crate) raw: wgpu::Buffer,
     name: &'static str,
     capacity: usize,
+    /// What it takes of the device's memory.
+    _taken: Arc<Taken>,
     row: PhantomData<T>,
 }
 
@@ -29,7 +32,7 @@ impl<T: Pod> Buffer<T> {
     /// A buffer of `capacity` rows of zeros; `name` stands in errors.
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`], [`GpuError::Memory`], [`GpuError::Lost`].
+    /// [`GpuError::TooLarge`], [`GpuError::Limit`], [`GpuError::Memory`], [`GpuError::Lost`].
     pub fn zeros(device: &Device, name: &'static str, capacity: usize) -> Result<Buffer<T>, GpuError> {
         let capacity = capacity.max(1);
         // A whole number of words.
@@ -38,6 +41,7 @@ impl<T: Pod> Buffer<T> {
         if bytes > limit {
             return Err(GpuError::TooLarge { buffer: name.into(), bytes, limit });
         }
+        let taken = take(device, name, bytes)?;
         let usage = Usage::STORAGE | Usage::COPY_SRC | Usage::COPY_DST | Usage::INDIRECT;
         let desc = wgpu::BufferDescriptor { label: Some(name), size: bytes, usage, mapped_at_creation: false };
         let raw = device.create(
@@ -47,7 +51,7 @@ impl<T: Pod> Buffer<T> {
                 other => GpuError::Device(other.to_string()),
             },
         )?;
-        Ok(Buffer { raw, name, capacity, row: PhantomData })
+        Ok(Buffer { raw, name, capacity, _taken: taken, row: PhantomData })
     }
 
     /// A buffer that holds `rows`.
@@ -102,7 +106,10 @@ impl<T: Pod> Buffer<T> {
         }
         let row = size_of::<T>().max(1) as u64;
         let most = (device.adapter.max_buffer.min(device.adapter.max_binding) / row) as usize;
-        let larger = Buffer::zeros(device, self.name, n.saturating_add(n / 2).min(most).max(n))?;
+        let larger = match Buffer::zeros(device, self.name, n.saturating_add(n / 2).min(most).max(n)) {
+            Err(GpuError::Limit { .. }) => Buffer::zeros(device, self.name, n)?,
+            other => other?,
+        };
         let mut encoder = device.raw.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(&self.raw, 0, &larger.raw, 0, self.raw.size());
         device.queue.submit([encoder.finish()]);
@@ -124,6 +131,7 @@ impl<T: Pod> Buffer<T> {
         let size = ((n.max(1) * size_of::<T>()) as u64).next_multiple_of(4);
         let usage = Usage::MAP_READ | Usage::COPY_DST;
         let desc = wgpu::BufferDescriptor { label: Some(self.name), size, usage, mapped_at_creation: false };
+        let taken = take(device, self.name, size)?;
         let staging = device.create(
             || device.raw.create_buffer(&desc),
             |error| match error {
@@ -139,7 +147,7 @@ impl<T: Pod> Buffer<T> {
             // The reader may have gone.
             let _ = send.send(result.map_err(|e| e.to_string()));
         });
-        Ok(ReadBack { staging, mapped, n, row: PhantomData })
+        Ok(ReadBack { staging, _taken: taken, mapped, n, row: PhantomData })
     }
 
     /// Read the first `n` rows; waits until all submitted work is done.
@@ -151,9 +159,16 @@ impl<T: Pod> Buffer<T> {
     }
 }
 
+/// Take memory for a buffer.
+fn take(device: &Device, name: &str, bytes: u64) -> Result<Arc<Taken>, GpuError> {
+    device.memory.take(bytes).map_err(|limit| GpuError::Limit { buffer: name.into(), bytes, limit })
+}
+
 /// Rows on their way back from a device.
 pub struct ReadBack<T> {
     staging: wgpu::Buffer,
+    /// What they take of the device's memory.
+    _taken: Arc<Taken>,
     mapped: Receiver<Result<(), String>>,
     n: usize,
     row: PhantomData<T>,

@@ -3,6 +3,7 @@
 use crate::adapter::{Adapter, Choice, USED, choose};
 use crate::error::GpuError;
 use crate::pace::Pace;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A message that a callback of the device leaves.
@@ -23,6 +24,48 @@ pub struct Device {
     /// Held while errors are caught: those of all threads go into one stack of scopes.
     scopes: Mutex<()>,
     pace: Mutex<Pace>,
+    pub(crate) memory: Arc<Memory>,
+}
+
+/// Bytes of the buffers of a device.
+#[derive(Debug)]
+pub(crate) struct Memory {
+    taken: AtomicU64,
+    most: AtomicU64,
+    limit: AtomicU64,
+}
+
+impl Default for Memory {
+    fn default() -> Memory {
+        Memory { taken: AtomicU64::new(0), most: AtomicU64::new(0), limit: AtomicU64::new(u64::MAX) }
+    }
+}
+
+/// Bytes that a buffer takes of a device's memory, until it is dropped.
+#[derive(Debug)]
+pub(crate) struct Taken {
+    memory: Arc<Memory>,
+    bytes: u64,
+}
+
+impl Memory {
+    /// Take bytes; the limit if they do not fit.
+    pub(crate) fn take(self: &Arc<Memory>, bytes: u64) -> Result<Arc<Taken>, u64> {
+        let limit = self.limit.load(Ordering::Relaxed);
+        let now = self.taken.fetch_add(bytes, Ordering::Relaxed).saturating_add(bytes);
+        let taken = Arc::new(Taken { memory: self.clone(), bytes });
+        if now > limit {
+            return Err(limit);
+        }
+        self.most.fetch_max(now, Ordering::Relaxed);
+        Ok(taken)
+    }
+}
+
+impl Drop for Taken {
+    fn drop(&mut self) {
+        self.memory.taken.fetch_sub(self.bytes, Ordering::Relaxed);
+    }
 }
 
 impl Device {
@@ -51,8 +94,18 @@ impl Device {
         raw.on_uncaptured_error(Arc::new(move |error: wgpu::Error| leave(&note, error.to_string())));
         let subgroup = adapter.subgroup;
         let has_timestamps = features.contains(wgpu::Features::TIMESTAMP_QUERY);
-        let (scopes, pace) = Default::default();
-        Ok(Device { adapter, raw, queue, subgroup, has_timestamps, lost, fault, scopes, pace })
+        let (scopes, pace, memory) = Default::default();
+        Ok(Device { adapter, raw, queue, subgroup, has_timestamps, lost, fault, scopes, pace, memory })
+    }
+
+    /// The most bytes that buffers have taken together.
+    pub fn most_memory(&self) -> u64 {
+        self.memory.most.load(Ordering::Relaxed)
+    }
+
+    /// Let buffers take no more bytes together than these.
+    pub fn limit_memory(&self, bytes: u64) {
+        self.memory.limit.store(bytes, Ordering::Relaxed);
     }
 
     pub(crate) fn pace(&self) -> MutexGuard<'_, Pace> {

@@ -52,6 +52,18 @@ pub enum GpuError {
         /// The adapter's limit.
         limit: u64,
     },
+    /// A buffer does not fit into the memory that buffers may take.
+    #[error(
+        "buffer `{buffer}` of {bytes} bytes does not fit with the others into the {limit} bytes that they may take"
+    )]
+    Limit {
+        /// The buffer.
+        buffer: String,
+        /// Its size, bytes.
+        bytes: u64,
+        /// What all may take, bytes.
+        limit: u64,
+    },
     /// The device's memory has run out.
     #[error("the device has no memory for buffer `{buffer}` of {bytes} bytes")]
     Memory {

@@ -80,6 +80,29 @@ fn a_buffer_that_is_too_large_is_named_with_its_size() {
 }
 
 #[test]
+fn buffers_take_no_more_memory_than_they_may() {
+    // A device of its own: the limit is that of all of its buffers.
+    let Some(Bench { device, .. }) = open(true) else { return };
+    device.limit_memory(5000);
+    let first = Buffer::<u32>::zeros(&device, "first", 500).unwrap();
+    let kept = first.clone();
+    let error = Buffer::<u32>::zeros(&device, "second", 1000).err().unwrap();
+    assert!(matches!(&error, GpuError::Limit { buffer, bytes: 4000, limit: 5000 } if buffer == "second"), "{error}");
+    // Clones are the same memory, and what does not fit has taken none.
+    drop(first);
+    assert!(Buffer::<u32>::zeros(&device, "second", 1000).is_err());
+    drop(kept);
+    let mut second = Buffer::of(&device, "second", &[7u32; 500]).unwrap();
+    assert_eq!(device.most_memory(), 2000);
+    // Without room to spare it grows as far as it must, and what is read back counts.
+    second.reserve(&device, 700).unwrap();
+    assert_eq!(second.capacity(), 700);
+    assert_eq!(device.most_memory(), 4800);
+    assert_eq!(second.read(&device, 500).unwrap(), [7; 500]);
+    assert!(second.read(&device, 600).is_err());
+}
+
+#[test]
 fn a_lost_device_says_so() {
     let Some(Bench { device, kernels }) = open(true) else { return };
     let buffer = Buffer::of(&device, "kept", &[1u32, 2]).unwrap();

@@ -4,8 +4,12 @@
 //! micropolygons, shades the points that are visible, composites and filters. All is within bounded memory: an image is drawn by windows, a
 //! window by waves, and points that are many are shaded before the next wave.
 
+mod few;
 mod front;
 mod kernels;
+mod layers;
+pub mod limits;
+mod outputs;
 mod refusal;
 pub mod render;
 mod samples;

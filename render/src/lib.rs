@@ -35,6 +35,7 @@ pub use {ri, sl};
 pub use context::result::{DrawnBy, RenderResult};
 pub use context::state::Context;
 pub use film::display::Display;
+pub use gpu::limits::{LEAST_MEMORY as LEAST_DEVICE_MEMORY, Limits as DeviceLimits};
 pub use gpu::render::Renderer as DeviceRenderer;
 pub use scene::options::{Hider, Options};
 pub use sl::has_wide_lanes;

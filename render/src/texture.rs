@@ -56,6 +56,12 @@ pub enum Source {
 /// What textures are made of, by their names.
 pub type Made = HashMap<String, Source>;
 
+/// A texture's levels, and what lies beyond its edges along s and t: 0 nothing, 1 the edge, 2 the image again.
+pub struct TextureLevels<'a> {
+    pub levels: &'a Levels,
+    pub wrap: [u32; 2],
+}
+
 /// A texture as it is looked up.
 enum Map {
     Image(Texture),
@@ -71,6 +77,8 @@ pub struct Textures {
     /// What `MakeTexture` and its kin named.
     made: Made,
     loaded: Mutex<HashMap<String, Option<Arc<Map>>>>,
+    /// Those that graphics devices are given, in the order of their numbers, from 1.
+    numbered: Mutex<Vec<String>>,
     /// Bytes that textures may take in memory.
     memory: usize,
     /// Whether colours of whole numbers are encoded for screens, if an option says.
@@ -113,7 +121,7 @@ impl Textures {
         let cache = Arc::new(Cache::default());
         // A quarter is for the tiles of those that find no room.
         cache.limit(memory / 4);
-        Textures { folders, made, loaded: Mutex::default(), memory, encoded, cache }
+        Textures { folders, made, loaded: Mutex::default(), numbered: Mutex::default(), memory, encoded, cache }
     }
 
     /// A texture by its name; the first failure is a warning.
@@ -178,6 +186,39 @@ impl Textures {
             Some(Source::LatLong(_) | Source::CubeFaces(..)) => "environment",
             _ => "texture",
         }
+    }
+
+    /// The number of a texture on graphics devices, which it is given when it is first asked for.
+    pub fn number(&self, name: &str) -> u32 {
+        let mut all = self.numbered.lock().unwrap_or_else(|e| e.into_inner());
+        let known = all.iter().position(|other| other == name);
+        let index = known.unwrap_or_else(|| {
+            all.push(name.into());
+            all.len() - 1
+        });
+        index as u32 + 1
+    }
+
+    /// The textures that have numbers, in the order of these.
+    pub fn numbered(&self) -> Vec<String> {
+        self.numbered.lock().unwrap_or_else(|e| e.into_inner()).clone()
+    }
+
+    /// Visit the images of a texture, one or six faces, and the tangent of half the angle of a face, if it can be read.
+    pub fn visit<R>(
+        &self,
+        name: &str,
+        warnings: &Warnings,
+        visit: impl FnOnce(&[TextureLevels<'_>], f32) -> R,
+    ) -> Option<R> {
+        let map = self.get(name, warnings)?;
+        fn of(texture: &Texture) -> TextureLevels<'_> {
+            TextureLevels { levels: &texture.levels, wrap: texture.wrap.map(|w| w as u32) }
+        }
+        Some(match &*map {
+            Map::Image(texture) => visit(&[of(texture)], 0.0),
+            Map::Cube(faces, tangent) => visit(&faces.each_ref().map(of), *tangent),
+        })
     }
 
     /// Four channels of a map at a place.

@@ -1,6 +1,11 @@
 //! Images of both back ends: what each sample sees, and each pixel to two steps of 8 bits; and what a device leaves to the processor.
 //! Without any adapter the comparisons say so; `REQUIRE_GPU=1` makes that a failure.
 
+#[path = "backends/layers.rs"]
+mod layers;
+#[path = "backends/table.rs"]
+mod table;
+
 use render::film::bucket::Shard;
 use render::ri::files::Files;
 use render::ri::reader;
@@ -28,17 +33,28 @@ fn root() -> PathBuf {
 
 /// Render a scene on a device, or on the processor.
 fn render(rib: &str, device: Option<Arc<DeviceRenderer>>, shard: Option<Shard>) -> RenderResult {
+    drawn(rib, &root(), device, shard).unwrap_or_else(|e| panic!("{e}\n{rib}")).expect("an image")
+}
+
+/// The last image of a scene of a folder, or what is wrong with it.
+fn drawn(
+    rib: &str,
+    folder: &Path,
+    device: Option<Arc<DeviceRenderer>>,
+    shard: Option<Shard>,
+) -> Result<Option<RenderResult>, String> {
     let folders = ["", "shaders/surface", "shaders/displacement", "shaders/light", "shaders/volume", "shaders/imager"];
-    let folders = folders.iter().map(|folder| root().join(folder)).chain([root().join("shaders/include")]).collect();
-    let files = Files { folders, ..Files::default() };
-    let mut context = Context::new(files.clone()).unwrap();
+    let library = folders.iter().map(|folder| root().join(folder)).chain([root().join("shaders/include")]);
+    let files = Files { folders: [folder.into()].into_iter().chain(library).collect(), ..Files::default() };
+    let mut context = Context::new(files.clone()).map_err(|e| e.to_string())?;
     (context.device, context.keep_ids, context.shard) = (device, true, shard);
     reader::read(Path::new("t.rib"), rib.as_bytes(), &files, &mut context, &mut |_, _| Ok(()))
-        .unwrap_or_else(|e| panic!("{e}\n{rib}"));
-    context.results.pop().expect("an image")
+        .map_err(|e| e.to_string())?;
+    Ok(context.results.pop())
 }
 
 /// How far the images of both back ends are the same.
+#[derive(Clone, Copy)]
 struct Compared {
     /// Parts of the samples that see the same triangle, and of the pixels within 2 of 255.
     ids: f64,
@@ -47,12 +63,24 @@ struct Compared {
     holes: usize,
     /// Samples that see something.
     seen: usize,
+    /// The part of the pixels whose other variables agree to a thousandth of the larger of 1 and the number.
+    variables: f64,
+}
+
+impl Compared {
+    fn agrees(&self) -> bool {
+        self.ids >= 0.9999 && self.pixels >= 0.999 && self.holes == 0 && self.variables >= 0.999
+    }
 }
 
 fn compare(rib: &str, device: &Arc<DeviceRenderer>) -> Compared {
     let own = render(rib, Some(device.clone()), None);
     assert_eq!(own.drawn_by, DrawnBy::Gpu, "{rib}");
-    let other = render(rib, None, None);
+    compared(&own, &render(rib, None, None))
+}
+
+/// How far the image of a device is that of the processor.
+fn compared(own: &RenderResult, other: &RenderResult) -> Compared {
     assert!(other.identities.len() == own.identities.len() && !own.identities.is_empty());
     let part = |n: usize, of: usize| n as f64 / of as f64;
     let pairs = || own.identities.iter().zip(&other.identities);
@@ -61,7 +89,13 @@ fn compare(rib: &str, device: &Arc<DeviceRenderer>) -> Compared {
         (0..4).all(|c| (byte(a[c]) - byte(b[c])).abs() <= 2.0)
     };
     let pixels = own.image.pixels.iter().zip(&other.image.pixels);
+    assert!(own.image.aovs == other.image.aovs && own.image.extra.len() == other.image.extra.len());
+    let alike = |(a, b): (&f32, &f32)| a == b || (a - b).abs() <= 1e-3 * b.abs().max(1.0);
+    let depth = (own.image.extra.len() / own.image.pixels.len()).max(1);
+    let variables = own.image.extra.chunks(depth).zip(other.image.extra.chunks(depth));
+    let n_alike = variables.filter(|(a, b)| a.iter().zip(*b).all(alike)).count();
     Compared {
+        variables: if own.image.extra.is_empty() { 1.0 } else { part(n_alike, own.image.pixels.len()) },
         ids: part(pairs().filter(|(a, b)| a == b).count(), own.identities.len()),
         pixels: part(pixels.filter(|pair| near(*pair)).count(), own.image.pixels.len()),
         holes: pairs().filter(|(a, b)| **a == 0 && **b != 0).count(),
@@ -70,12 +104,12 @@ fn compare(rib: &str, device: &Arc<DeviceRenderer>) -> Compared {
 }
 
 fn same(name: &str, rib: &str, device: &Arc<DeviceRenderer>) -> String {
-    let Compared { ids, pixels, holes, seen } = compare(rib, device);
-    eprintln!("{name}: ids {ids}, pixels {pixels}, {seen} samples see something");
-    if ids >= 0.9999 && pixels >= 0.999 && holes == 0 && seen > 0 {
+    let c @ Compared { ids, pixels, holes, seen, variables } = compare(rib, device);
+    eprintln!("{name}: ids {ids}, pixels {pixels}, variables {variables}, {seen} samples see something");
+    if c.agrees() && seen > 0 {
         return String::new();
     }
-    format!("{name}: ids {ids}, pixels {pixels}, holes {holes}, {seen} samples see something\n")
+    format!("{name}: ids {ids}, pixels {pixels}, variables {variables}, holes {holes}, {seen} samples see something\n")
 }
 
 const CAMERA: &str =
@@ -145,6 +179,24 @@ fn rays_are_the_same_on_a_device() {
     assert!(wrong.is_empty(), "{wrong}");
 }
 
+/// Rays that meet displaced surfaces as they are seen: shadows of stones on each other and on a bumpy ground, and through what is translucent.
+#[test]
+fn rays_meet_displaced_surfaces_on_a_device() {
+    let Some(device) = device() else { return };
+    let world = "WorldBegin LightSource \"shadowspot\" \"a\" \"from\" [2 4 -3] \"to\" [0 0 0] \"intensity\" 20 \"uniform string shadowname\" [\"any.sm\"]
+        LightSource \"distantlight\" \"b\" \"to\" [0.4 -0.5 1] \"intensity\" 0.4 Surface \"matte\" Displacement \"stone\" Attribute \"displacementbound\" \"float sphere\" [0.2]
+        AttributeBegin Surface \"occlusionsurf\" \"uniform float samples\" 8 Patch \"bilinear\" \"P\" [-2 -0.8 2 2 -0.8 2 -2 -0.8 -2 2 -0.8 -2] AttributeEnd
+        Sphere 0.8 -0.8 0.8 360 Translate 1.2 0 0 Scale 1 1.5 1 Sphere 0.4 -0.4 0.4 360 Translate -2 0 0 Torus 0.5 0.2 0 360 360 WorldEnd";
+    let through = world.replace("occlusionsurf", "matte").replace("\"uniform float samples\" 8 Patch", "Patch");
+    let mut wrong = same("displaced", &format!("{CAMERA}{world}"), &device);
+    wrong += &same(
+        "displaced glass",
+        &format!("{CAMERA}{}", through.replace("Torus 0.5 0.2 0 360", "Opacity [0.5 0.7 0.9] Torus 0.5 0.2 0 360")),
+        &device,
+    );
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
 /// Motion, of bodies, of the camera and of form, and a lens; alone and together.
 #[test]
 fn what_is_blurred_is_the_same_on_a_device() {
@@ -162,6 +214,276 @@ fn what_is_blurred_is_the_same_on_a_device() {
         wrong += &same(name, &format!("{options} {CAMERA}{LIT}{world} WorldEnd"), &device);
     }
     assert!(wrong.is_empty(), "{wrong}");
+}
+
+/// Spheres that overlap.
+fn balls(n: usize) -> String {
+    let ball = |k: usize| {
+        let (x, y, z) = ((k % 7) as f32 * 0.4 - 1.2, (k % 5) as f32 * 0.4 - 0.8, (k % 3) as f32 * 0.5 - 0.5);
+        format!("TransformBegin Translate {x} {y} {z} Sphere 0.5 -0.5 0.5 360 TransformEnd ")
+    };
+    (0..n).map(ball).collect()
+}
+
+/// What may be translucent: constant opacities, those of shaders and of primitive variables, many layers one behind the other, holes,
+/// what turns out opaque, and haze behind it.
+#[test]
+fn what_is_translucent_is_the_same_on_a_device() {
+    let Some(device) = device() else { return };
+    let floor = "AttributeBegin Opacity [1 1 1] Color [0.8 0.7 0.5] Patch \"bilinear\" \"P\" [-3 -1 3 3 -1 3 -3 -1 -3 3 -1 -3] AttributeEnd ";
+    let shades = "Attribute \"visibility\" \"string transmission\" \"transparent\" Patch \"bilinear\" \"P\" [-2 -1 0 2 -1 0 -2 1 1 2 1 1] \"varying color Os\" [0 0 0 1 1 1 1 0.5 0 0.3 0.6 0.9] \"varying color Cs\" [1 0 0 0 1 0 0 0 1 1 1 1]";
+    let mut wrong = String::new();
+    for (name, options, world) in [
+        ("constant", "", format!("{floor} Opacity [0.5 0.3 0.8] Color [0.2 0.5 0.9] {}", balls(40))),
+        (
+            "glass",
+            "",
+            format!(
+                "{floor} Attribute \"visibility\" \"string transmission\" \"Os\" Surface \"glass\" Sphere 1 -1 1 360 Translate 0.5 0.2 -1.5 Sphere 0.4 -0.4 0.4 360"
+            ),
+        ),
+        ("variables", "", format!("{floor} {shades} Translate 0 0 -0.5 {shades}")),
+        (
+            "flat",
+            "",
+            format!("{floor} ShadingInterpolation \"constant\" {shades} Opacity [0.4 0.4 0.4] Torus 1 0.3 0 360 360"),
+        ),
+        (
+            "hole",
+            "Imager \"background\"",
+            format!("{floor} {shades} Matte 1 Opacity [0.5 0.5 0.5] Sphere 0.6 -0.6 0.6 360"),
+        ),
+        (
+            "haze",
+            "",
+            format!("Atmosphere \"fog\" \"uniform float distance\" 5 {floor} Opacity [0.5 0.3 0.8] {}", balls(8)),
+        ),
+        (
+            "opaque",
+            "",
+            format!(
+                "{floor} Attribute \"visibility\" \"string transmission\" \"opaque\" Opacity [0.5 0.5 0.5] Sphere 0.4 -0.4 0.4 360 Translate 0 0.2 1.2 Surface \"glass\" Opacity [1 1 1] Sphere 1 -1 1 360"
+            ),
+        ),
+        (
+            "motion",
+            "Shutter 0 1",
+            format!(
+                "{floor} Opacity [0.5 0.3 0.8] MotionBegin [0 1] Translate 0 0 0 Translate 0.5 0.3 0 MotionEnd {}",
+                balls(40)
+            ),
+        ),
+        ("lens", "DepthOfField 2 0.3 5.5", format!("{floor} {shades} Opacity [0.5 0.3 0.8] {}", balls(40))),
+        (
+            "points",
+            "",
+            format!(
+                "{floor} Attribute \"visibility\" \"string transmission\" \"opaque\" Opacity [0.5 0.3 0.8] Points \"P\" [-1 0 0 0 0.3 -1 0.2 0.4 -0.5 1 0 1] \"constantwidth\" [0.9]"
+            ),
+        ),
+        (
+            "beyond",
+            "",
+            format!(
+                "{floor} Attribute \"visibility\" \"string transmission\" \"opaque\" Patch \"bilinear\" \"P\" [-2 -1 0 2 -1 0 -2 1 1 2 1 1] \"varying color Os\" [-2 -1 0 3 2 1 1 0.5 -1 0.3 4 0.9]"
+            ),
+        ),
+        // Panes nearer to each other than two pixels keep their light each.
+        (
+            "panes",
+            "",
+            format!(
+                "{floor} Opacity [0.4 0.4 0.4] {}",
+                (0..4)
+                    .map(|k| format!(
+                        "Patch \"bilinear\" \"P\" [-1 {y} 1 1 {y} 1 -1 {y} -1 1 {y} -1] ",
+                        y = k as f32 * 0.004
+                    ))
+                    .collect::<String>()
+            ),
+        ),
+    ] {
+        wrong += &same(name, &format!("{options} {CAMERA}{LIT}{world} WorldEnd"), &device);
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+/// However little of a frame is on the device at a time, the image is the same to the bit: windows, waves, the layers of parts of a window, and
+/// lists of some samples after those of others.
+#[test]
+fn an_image_does_not_depend_on_what_is_on_the_device_at_a_time() {
+    let Some(unlimited) = device() else { return };
+    let rib = format!(
+        "Display \"+z.exr\" \"exr\" \"z\" {CAMERA}{LIT} Torus 2 0.4 0 360 360 Opacity [0.5 0.3 0.8] {} WorldEnd",
+        balls(40)
+    );
+    let whole = render(&rib, Some(unlimited.clone()), None);
+    assert_eq!(whole.drawn_by, DrawnBy::Gpu);
+    let mut own = DeviceRenderer::open(&gpu::Choice::Any).unwrap();
+    let (samples, points, layers) = (1 << 15, 1 << 12, 1 << 10);
+    own.limits = render::DeviceLimits {
+        samples,
+        round: 64,
+        wave: [1 << 10, 1 << 11],
+        points,
+        values: 1 << 12,
+        facets: 1 << 20,
+        layers,
+    };
+    let parts = render(&rib, Some(Arc::new(own)), None);
+    assert_eq!(parts.drawn_by, DrawnBy::Gpu);
+    assert!(whole.identities == parts.identities);
+    assert!(whole.image == parts.image);
+    // Within the least memory that may be given.
+    let mut own = DeviceRenderer::open(&gpu::Choice::Any).unwrap();
+    own.limit_memory(render::LEAST_DEVICE_MEMORY);
+    let own = Arc::new(own);
+    let large = rib.replace("Format 96 72", "Format 320 240");
+    let small = render(&large, Some(own.clone()), None);
+    assert_eq!(small.drawn_by, DrawnBy::Gpu);
+    assert!(small.image == render(&large, Some(unlimited.clone()), None).image);
+    eprintln!("{} of {} bytes", own.most_memory(), unlimited.most_memory());
+    assert!(own.most_memory() <= render::LEAST_DEVICE_MEMORY && unlimited.most_memory() > render::LEAST_DEVICE_MEMORY);
+    // All of it in one part has more layers than fit.
+    let mut own = DeviceRenderer::open(&gpu::Choice::Any).unwrap();
+    own.limits.layers = 1 << 14;
+    let ranges = render(&rib, Some(Arc::new(own)), None);
+    assert_eq!(ranges.drawn_by, DrawnBy::Gpu);
+    assert!(whole.identities == ranges.identities && whole.image == ranges.image);
+}
+
+/// Clipping planes, levels of detail that fade into each other, and colours and opacities that move.
+#[test]
+fn what_is_there_in_part_is_the_same_on_a_device() {
+    let Some(device) = device() else { return };
+    let lights = LIT.replace("WorldBegin", "");
+    let detail = "Detail [-1 1 -1 1 -1 1] DetailRange [0 0 0 2000] Color [1 0 0] Sphere 1 -1 1 360 DetailRange [0 2000 10000 10000] Color [0 0 1] Sphere 0.9 -0.9 0.9 360";
+    let fading = "MotionBegin [0 1] Color [1 0 0] Color [0 0 1] MotionEnd Sphere 1 -1 1 360
+        MotionBegin [0 0.5 1] Opacity [1 1 1] Opacity [0.2 0.2 0.2] Opacity [1 0 0] MotionEnd Translate 0 0.5 -1 Sphere 0.7 -0.7 0.7 360";
+    let mut wrong = String::new();
+    for (name, options, world) in [
+        (
+            "planes",
+            "",
+            format!(
+                "ClippingPlane 0 0 0.2 0 0 1 ClippingPlane 0.5 0 0 1 0.2 0.1 WorldBegin {lights} Sphere 1 -1 1 360 Torus 2 0.4 0 360 360"
+            ),
+        ),
+        (
+            "planes and motion",
+            "Shutter 0 1",
+            format!(
+                "ClippingPlane 0 0 0.2 0 0 1 WorldBegin {lights} MotionBegin [0 1] Translate 0 0 0 Translate 0.5 0 0 MotionEnd Sphere 1 -1 1 360"
+            ),
+        ),
+        ("detail", "", format!("WorldBegin {lights} {detail}")),
+        ("fading", "Shutter 0 1", format!("WorldBegin {lights} {fading}")),
+    ] {
+        wrong += &same(name, &format!("{options} {CAMERA}{world} WorldEnd"), &device);
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+/// Whatever displays take: variables of the renderer, of primitives and of shaders, of what is opaque, translucent, a hole, moved or out of
+/// focus.
+#[test]
+fn displays_of_variables_are_the_same_on_a_device() {
+    let Some(device) = device() else { return };
+    let all = [
+        "z",
+        "id",
+        "P",
+        "N",
+        "Ng",
+        "I",
+        "u",
+        "s",
+        "Cs",
+        "Os",
+        "Ci",
+        "Oi",
+        "motion",
+        "color own",
+        "float shade",
+        "normal bump",
+    ];
+    let displays: String =
+        all.iter().map(|mode| format!("Display \"+{}.exr\" \"exr\" \"{mode}\"\n", mode.replace(' ', "_"))).collect();
+    let floor = "AttributeBegin Opacity [1 1 1] Color [0.8 0.7 0.5] Patch \"bilinear\" \"P\" [-3 -1 3 3 -1 3 -3 -1 -3 3 -1 -3] \"varying color own\" [1 0 0 0 1 0 0 0 1 1 1 1] \"uniform float shade\" [0.7] AttributeEnd ";
+    let shades = "Attribute \"visibility\" \"string transmission\" \"transparent\" Patch \"bilinear\" \"P\" [-2 -1 0 2 -1 0 -2 1 1 2 1 1] \"varying color Os\" [0 0 0 1 1 1 1 0.5 0 0.3 0.6 0.9] \"varying color own\" [1 0 0 0 1 0 0 0 1 1 1 1]";
+    let world = format!(
+        "{floor} Sphere 0.8 -0.8 0.8 360 TransformBegin Translate 0 0 -1.2 {shades} TransformEnd
+        TransformBegin Translate 1 0.5 -2 Matte 1 Sphere 0.3 -0.3 0.3 360 Matte 0 TransformEnd
+        Translate 0.4 0.2 -1.4 Color [0.2 0.9 0.4] Opacity [0.5 0.4 0.9] Sphere 0.5 -0.5 0.5 360"
+    );
+    let mut wrong = String::new();
+    for (name, options, world) in [
+        ("still", "", world.clone()),
+        ("haze", "", format!("Atmosphere \"fog\" \"uniform float distance\" 5 {world}")),
+        ("motion", "Shutter 0 1", format!("MotionBegin [0 1] Translate 0 0 0 Translate 0.5 0.3 0 MotionEnd {world}")),
+        ("lens", "DepthOfField 2 0.3 5.5", world.clone()),
+    ] {
+        wrong += &same(name, &format!("{options} {displays} {CAMERA}{LIT}{world} WorldEnd"), &device);
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+/// Textures of bytes, encoded and linear, and of floats, with what lies beyond their edges, near and far and askew; environments by longitude
+/// and latitude and by the faces of a cube; one that is not there.
+#[test]
+fn textures_are_the_same_on_a_device() {
+    let Some(device) = device() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_string_lossy().to_string();
+    let value = |x: u32, y: u32, c: u32| ((x * 7 + y * 13 + c * 101 + (x / 5) * (y / 3) * 29) % 256) as u8;
+    let bytes =
+        |n: [u32; 2]| image::RgbaImage::from_fn(n[0], n[1], |x, y| image::Rgba([0, 1, 2, 3].map(|c| value(x, y, c))));
+    bytes([53, 31]).save(path("bytes.png")).unwrap();
+    let floats = |x: u32, y: u32| image::Rgb([0, 1, 2].map(|c| value(x, y, c) as f32 / 100.0));
+    let floats = image::ImageBuffer::from_fn(40, 24, floats);
+    image::DynamicImage::ImageRgb32F(floats).save(path("floats.exr")).unwrap();
+    let faces: Vec<String> = (0..6).map(|k| format!("face{k}.png")).collect();
+    faces.iter().enumerate().for_each(|(k, name)| bytes([16 + k as u32, 16]).save(path(name)).unwrap());
+    let faces: Vec<String> = faces.iter().map(|name| format!("{:?}", path(name))).collect();
+    let maps: String = [("black", "clamp"), ("clamp", "periodic"), ("periodic", "black")]
+        .iter()
+        .enumerate()
+        .map(|(k, (s, t))| format!("MakeTexture {:?} \"tex{k}\" \"{s}\" \"{t}\" \"box\" 1 1\n", path("bytes.png")))
+        .collect();
+    let maps = format!(
+        "{maps} MakeTexture {0:?} \"float\" \"periodic\" \"periodic\" \"box\" 1 1 MakeLatLongEnvironment {0:?} \"all\" \"box\" 1 1
+        MakeCubeFaceEnvironment {1} \"cube\" 90 \"box\" 1 1\n",
+        path("floats.exr"),
+        faces.join(" ")
+    );
+    let painted = |name: &str, scale: f32| {
+        format!(
+            "AttributeBegin Surface \"paintedplastic\" \"uniform string texturename\" [\"{name}\"] TextureCoordinates -0.3 -0.4 {scale} -0.2 -0.5 {scale} {scale} {scale}
+            Patch \"bilinear\" \"P\" [-1 -1 2 1 -1 2 -1 1 -2 1 1 -2] AttributeEnd "
+        )
+    };
+    let mirror = |name: &str| {
+        format!(
+            "AttributeBegin Surface \"shinymetal\" \"uniform string texturename\" [\"{name}\"] Sphere 0.7 -0.7 0.7 360 Translate 0.9 0.8 0 Torus 0.4 0.2 0 360 360 AttributeEnd "
+        )
+    };
+    let mut wrong = String::new();
+    for (name, world) in [
+        ("wraps", ["tex0", "tex1", "tex2"].map(|name| painted(name, 1.7) + "Translate 1.1 0 0 ").concat()),
+        ("floats", painted("float", 6.0) + "Translate 1.2 0 0 " + &painted("nothing", 1.0)),
+        ("far", painted("tex1", 40.0)),
+        ("environments", mirror("all") + "Translate -1.3 0 0 " + &mirror("cube")),
+    ] {
+        let rib = format!("{maps} {CAMERA}{LIT}{world} WorldEnd");
+        wrong += &same(name, &rib, &device);
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+    // What is not in memory as a whole is the processor's.
+    let rib =
+        format!("Option \"limits\" \"int texturememory\" [1] {maps} {CAMERA}{LIT}{} WorldEnd", painted("tex0", 1.7));
+    let own = render(&rib, Some(device), None);
+    assert!(matches!(&own.drawn_by, DrawnBy::Fallback(why) if why.contains("`tex0` is larger")), "{:?}", own.drawn_by);
+    assert!(own.image == render(&rib, None, None).image);
 }
 
 /// Windows, buckets and shards of any size give the same bits.
@@ -187,20 +509,45 @@ fn an_image_of_a_device_does_not_depend_on_how_it_is_cut() {
     assert!(bits(&whole) == sums.collect::<Vec<_>>(), "by shards");
 }
 
+/// Colours that are no finite numbers are reported alike, with the shader.
+#[test]
+fn colours_that_are_no_numbers_are_reported_on_a_device() {
+    let Some(device) = device() else { return };
+    let bright = "Color [1e30 1e30 1e30] LightSource \"ambientlight\" \"c\" \"intensity\" 1e30 Sphere 1 -1 1 360";
+    for world in [bright.into(), format!("Opacity [0.5 0.5 0.5] {bright}")] {
+        let rib = format!("{CAMERA}{LIT}{world} WorldEnd");
+        let said = |device| {
+            let result = render(&rib, device, None);
+            let is_gpu = result.drawn_by == DrawnBy::Gpu;
+            let warnings: Vec<String> = result.warnings.iter().filter(|w| w.contains("no finite")).cloned().collect();
+            (is_gpu, warnings)
+        };
+        let (own, other) = (said(Some(device.clone())), said(None));
+        assert!(own.0 && !other.0);
+        // How many points are shaded differs.
+        let without_count = |all: &[String]| -> Vec<String> {
+            all.iter().map(|w| w.split(|c: char| c.is_ascii_digit()).collect::<Vec<_>>().join("")).collect()
+        };
+        assert!(own.1.len() == 1 && own.1[0].contains("the shader `matte`"), "{:?}", own.1);
+        assert_eq!(without_count(&own.1), without_count(&other.1));
+    }
+}
+
 /// What is not built for devices is the processor's whole, and why is said.
 #[test]
 fn what_a_device_does_not_draw_is_drawn_by_the_processor() {
     let Some(device) = device() else { return };
-    let ball = "Sphere 1 -1 1 360";
     for (options, world, why) in [
-        ("ClippingPlane 0 0 0 0 0 1", ball, "clipping planes"),
-        ("", "Opacity [0.5 0.5 0.5] Sphere 1 -1 1 360", "the surface `matte` may be translucent"),
-        ("", "Surface \"glass\" Sphere 1 -1 1 360", "the surface `glass` may be translucent"),
-        ("Display \"t.exr\" \"exr\" \"N\"", ball, "a display takes the variable `N`"),
+        ("", "Surface \"glass\" Sphere 1 -1 1 360", "the shader `glass` says how much light gets through"),
         (
             "",
-            "Surface \"shinymetal\" \"uniform string texturename\" [\"sky.env\"] Sphere 1 -1 1 360",
-            "the shader `shinymetal` looks up the map",
+            "Opacity [0.5 0.5 0.5] Points \"P\" [0 0 0 0.3 0.2 0.1] \"constantwidth\" [0.9]",
+            "rays meet translucent `Points`",
+        ),
+        (
+            "",
+            "AttributeBegin Surface \"occlusionsurf\" Patch \"bilinear\" \"P\" [-2 -0.8 2 2 -0.8 2 -2 -0.8 -2 2 -0.8 -2] AttributeEnd Opacity [0.5 0.5 0.5] Sphere 1 -1 1 360",
+            "what translucent surfaces hide",
         ),
         (
             "",

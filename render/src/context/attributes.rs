@@ -26,6 +26,13 @@ impl Context {
 
     /// The colour or the opacity; in a motion block, that at one of its times.
     pub(super) fn set_color(&mut self, which: Attribute, value: [f32; 3]) -> RiResult {
+        let is_beyond = which == Attribute::Opacity && value.iter().any(|o| !(0.0..=1.0).contains(o));
+        if is_beyond {
+            let [r, g, b] = value;
+            self.scene
+                .warn(format!("`Opacity` is [{r} {g} {b}], expected 0 to 1: what is below or above counts as that"));
+        }
+        let value = if is_beyond { value.map(|o| o.clamp(0.0, 1.0)) } else { value };
         if let Some(block) = &mut self.motion {
             block.colors.push((which, value));
             return Ok(());

@@ -45,5 +45,6 @@ pub enum Moving {
     Patches(Vec<Patch>, VariableNames),
     Quadric(Quadric, Params),
     Blobby(Box<BlobbyCall>),
-    Spheres(Instances, Vec<(VariableName, Vec<f32>)>),
+    /// Whether they are `Points` stands last.
+    Spheres(Instances, Vec<(VariableName, Vec<f32>)>, bool),
 }

@@ -1,6 +1,7 @@
 //! Motion blocks: what their calls come to at `MotionEnd` (RISpec 6.3).
 
 use crate::context::motion_block::{MotionBlock, Moving};
+use crate::context::open_object::Uniform;
 use crate::context::quadrics::{one_sphere, quadric_patches};
 use crate::context::state::Context;
 use crate::gprim::quadric::Quadric;
@@ -8,7 +9,7 @@ use crate::gprim::variables::{attach_variables, uniform_numbers};
 use crate::scene::attributes::Attribute;
 use crate::scene::motion;
 use crate::scene::patch::{Patch, TEXTURE_CORNERS};
-use crate::scene::variables::{VariableName, VariableNames};
+use crate::scene::variables::VariableNames;
 use glam::Mat4;
 use ri::{Fail, Instances, Params, RiResult};
 
@@ -116,7 +117,7 @@ impl Context {
         for call in calls {
             match call {
                 Moving::Patches(p, names) => patches.push((p, names)),
-                Moving::Spheres(s, uniform) => spheres.push((s, uniform)),
+                Moving::Spheres(s, uniform, particles) => spheres.push((s, uniform, particles)),
                 Moving::Quadric(quadric, params) => quadrics.push((quadric, params)),
                 Moving::Blobby(call) => blobbies.push(*call),
                 Moving::Concat(_) | Moving::Turn(..) | Moving::Set(_) => {}
@@ -163,8 +164,10 @@ impl Context {
         let varies = quadrics.iter().any(|(_, params)| params.iter().any(|p| !p.decl.class.is_whole()));
         let radii: Option<Vec<f32>> = quadrics.iter().map(|(quadric, _)| quadric.whole_sphere()).collect();
         if let Some(radii) = radii.filter(|_| !varies && self.texture_corners() == TEXTURE_CORNERS) {
-            let spheres =
-                radii.into_iter().zip(quadrics).map(|(r, (_, params))| Ok((one_sphere(r), uniform_numbers(params)?)));
+            let spheres = radii
+                .into_iter()
+                .zip(quadrics)
+                .map(|(r, (_, params))| Ok((one_sphere(r), uniform_numbers(params)?, false)));
             return self.moving_spheres(times, spheres.collect::<Result<_, Fail>>()?);
         }
         if quadrics.iter().all(|(quadric, _)| quadric.sweep == 0.0) {
@@ -223,28 +226,25 @@ impl Context {
     }
 
     /// The spheres of a motion block, with the variables of each call: those of the last before the shutter opens hold.
-    fn moving_spheres(
-        &mut self,
-        times: &[f32],
-        mut calls: Vec<(Instances, Vec<(VariableName, Vec<f32>)>)>,
-    ) -> RiResult {
-        let differs = |a: &(Instances, Vec<_>), b: &(Instances, Vec<_>)| a.1 != b.1 || a.0.params != b.0.params;
+    fn moving_spheres(&mut self, times: &[f32], mut calls: Vec<(Instances, Uniform, bool)>) -> RiResult {
+        type Call = (Instances, Uniform, bool);
+        let differs = |a: &Call, b: &Call| a.1 != b.1 || a.0.params != b.0.params;
         if calls.iter().any(|later| differs(&calls[0], later)) {
             self.warn_of_variables();
             let (before, _) = motion::segment(times, self.options.shutter[0]);
-            if let Some((spheres, uniform)) = calls.get(before).cloned()
+            if let Some((spheres, uniform, _)) = calls.get(before).cloned()
                 && spheres.len() == calls[0].0.len()
             {
                 calls[0].0.params = spheres.params;
                 calls[0].1 = uniform;
             }
         }
-        let later: Vec<Instances> = calls[1..].iter().map(|(spheres, _)| spheres.clone()).collect();
-        let Some((mut first, uniform)) = calls.into_iter().next() else { return Ok(()) };
-        let Some(last) = later.last() else { return self.add_spheres(first, uniform) };
+        let later: Vec<Instances> = calls[1..].iter().map(|(spheres, ..)| spheres.clone()).collect();
+        let Some((mut first, uniform, particles)) = calls.into_iter().next() else { return Ok(()) };
+        let Some(last) = later.last() else { return self.add_spheres(first, uniform, particles) };
         if later.iter().any(|spheres| spheres.len() != first.len()) {
             self.scene.warn("the primitives of a motion block are not as many: the first alone is drawn".into());
-            return self.add_spheres(first, uniform);
+            return self.add_spheres(first, uniform, particles);
         }
         if first.len() == 1 {
             // One sphere moves and grows as its space does.
@@ -253,19 +253,20 @@ impl Context {
             let places = later.iter().map(|spheres| Moving::Concat(spheres.matrix(0) * home));
             let places: Vec<Moving> = std::iter::once(Moving::Concat(Mat4::IDENTITY)).chain(places).collect();
             self.moving_transform(times, &places);
-            let done = self.add_spheres(first, uniform);
+            let done = self.add_spheres(first, uniform, particles);
             (self.transform, self.moves) = before;
             return done;
         }
         if later.len() > 1 || later.iter().any(|spheres| spheres.scale != first.scale) {
             // Each goes its own way, as one sphere does.
             return (0..first.len()).try_for_each(|k| {
-                let own = std::iter::once(&first).chain(&later).map(|spheres| (spheres.alone(k), uniform.clone()));
+                let all = std::iter::once(&first).chain(&later);
+                let own = all.map(|spheres| (spheres.alone(k), uniform.clone(), particles));
                 self.moving_spheres(times, own.collect())
             });
         }
         first.moved = Some(([times[0], times[times.len() - 1]], last.position.clone()));
-        self.add_spheres(first, uniform)
+        self.add_spheres(first, uniform, particles)
     }
 
     /// `MotionBegin`.

@@ -51,6 +51,7 @@ impl Context {
             scene: Scene::default(),
             copies: Copies::default(),
             of_patches: None,
+            of_instances: None,
             outside: [0; 2],
             objects: HashMap::new(),
             open_object: None,

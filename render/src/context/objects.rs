@@ -12,7 +12,7 @@ use crate::scene::attributes::{Attribute, Attributes, SetAttributes};
 use crate::scene::motion;
 use crate::scene::patch::TEXTURE_CORNERS;
 use crate::scene::shape::Shape;
-use crate::scene::source::{Part, SourceShape, instance_variables, transform};
+use crate::scene::source::{Part, SourceShape, Wholes, instance_variables, transform};
 use crate::scene::variables::{VariableName, VariableNames};
 use glam::{Mat4, Vec3};
 use ri::{Fail, InstanceShape, Instances, Param, RiResult, Type};
@@ -31,7 +31,7 @@ impl Context {
         let outer = (self.attributes.clone(), self.place(), self.geometry.clone());
         let depths = [self.attribute_stack.len(), self.transform_stack.len()];
         self.open_object =
-            Some(OpenObject { handle: handle.into(), parts: vec![], base: self.transform, outer, depths });
+            Some(OpenObject { handle: handle.into(), parts: vec![], n_wholes: 0, base: self.transform, outer, depths });
         self.moves.clear();
         self.attributes.set = SetAttributes::default();
         Ok(())
@@ -40,7 +40,7 @@ impl Context {
     /// `ObjectEnd`.
     pub(super) fn close_object(&mut self) -> RiResult {
         let Some(object) = self.open_object.take() else { return Err(Fail::new("ObjectEnd without ObjectBegin")) };
-        let OpenObject { handle, parts, base, outer, depths } = object;
+        let OpenObject { handle, parts, base, outer, depths, .. } = object;
         let is_open = [self.attribute_stack.len(), self.transform_stack.len()] != depths;
         self.attribute_stack.truncate(depths[0]);
         self.transform_stack.truncate(depths[1]);
@@ -73,12 +73,14 @@ impl Context {
     }
 
     /// Spheres by columns, as parts of the object that is open.
-    pub(super) fn add_sphere_parts(&mut self, spheres: &Instances, uniform: &Uniform) -> RiResult {
+    pub(super) fn add_sphere_parts(&mut self, spheres: &Instances, uniform: &Uniform, particle: bool) -> RiResult {
         let (place, moves) = self.place_in_object();
+        let first = self.take_wholes(spheres.len() as u32);
         for i in 0..spheres.len() {
             let own = [uniform.clone(), variables_of(spheres, i)].concat();
             let keys = keys_of(&(place, moves.clone()), spheres, i, &[]);
-            let part = Part { shape: Shape::Sphere, place: place * spheres.matrix(i), space: place };
+            let whole = first.wrapping_add(i as u32);
+            let part = Part { shape: Shape::Sphere, place: place * spheres.matrix(i), space: place, whole, particle };
             self.add_part(part, keys, own)?;
         }
         Ok(())
@@ -99,6 +101,10 @@ impl Context {
     fn draw_groups(&mut self, instances: &Instances, groups: &[Group]) -> RiResult {
         let solid = self.enter_part();
         let mut copied = HashMap::new();
+        let parts = || groups.iter().flat_map(|group| group.parts.iter());
+        let per_instance = parts().map(|part| part.whole + 1).max().unwrap_or(0);
+        let first = self.take_wholes((instances.len() as u32).wrapping_mul(per_instance));
+        let wholes = Wholes { first, per_instance, shared: parts().count() > per_instance as usize };
         for group in groups {
             let textured = self.textured(group);
             let group = textured.as_ref().unwrap_or(group);
@@ -117,13 +123,15 @@ impl Context {
             if group.attributes.as_ref().is_some_and(|own| own.set.has(Attribute::Detail)) {
                 self.find_level();
             }
+            self.of_instances = Some(wholes);
             let done = if self.open_object.is_some() {
-                self.add_group_parts(instances, group)
+                self.add_group_parts(instances, group, wholes)
             } else if group.moves.is_empty() {
                 self.push_group(instances.clone(), group.parts.clone(), &group.uniform)
             } else {
-                self.push_moving(instances, group)
+                self.push_moving(instances, group, wholes)
             };
+            self.of_instances = None;
             if let Some(outer) = outer {
                 self.attributes = outer;
             }
@@ -154,18 +162,24 @@ impl Context {
     }
 
     /// Parts of an object within the object that is open.
-    fn add_group_parts(&mut self, instances: &Instances, group: &Group) -> RiResult {
+    fn add_group_parts(&mut self, instances: &Instances, group: &Group, wholes: Wholes) -> RiResult {
         let place = self.place_in_object();
         for i in 0..instances.len() {
             let object = place.0 * instances.matrix(i);
-            for Part { shape, place: own, space } in group.parts.iter() {
+            for Part { shape, place: own, space, whole, particle } in group.parts.iter() {
                 let keys = keys_of(&place, instances, i, &group.moves);
                 let keys = if group.moves.is_empty() {
                     keys.into_iter().map(|(time, key)| (time, key * *own)).collect()
                 } else {
                     keys
                 };
-                let part = Part { shape: shape.clone(), place: object * *own, space: object * *space };
+                let part = Part {
+                    shape: shape.clone(),
+                    place: object * *own,
+                    space: object * *space,
+                    whole: wholes.of_instance(i).wrapping_add(*whole),
+                    particle: *particle,
+                };
                 // What the instance has is of the space that it is placed in.
                 let of_instance = placed(variables_of(instances, i), &(part.space.inverse() * place.0));
                 self.add_part(part, keys, [group.uniform.clone(), of_instance].concat())?;
@@ -184,7 +198,7 @@ impl Context {
     }
 
     /// A part that moves in its object: each instance is a source of its own, with its places over time.
-    fn push_moving(&mut self, instances: &Instances, group: &Group) -> RiResult {
+    fn push_moving(&mut self, instances: &Instances, group: &Group, wholes: Wholes) -> RiResult {
         let outer = self.place();
         for i in 0..instances.len() {
             let moves = keys_of(&outer, instances, i, &group.moves);
@@ -203,8 +217,10 @@ impl Context {
                 shape: part.shape.clone(),
                 place: Mat4::IDENTITY,
                 space: part.place.inverse() * part.space,
+                ..part.clone()
             };
             let parts = group.parts.iter().map(placed).collect();
+            self.of_instances = Some(Wholes { first: wholes.of_instance(i), ..wholes });
             let done = self.push_group(one, Arc::new(parts), &group.uniform);
             (self.transform, self.moves) = outer.clone();
             done?;

@@ -15,6 +15,8 @@ pub type Uniform = Vec<(VariableName, Vec<f32>)>;
 pub struct OpenObject {
     pub handle: String,
     pub parts: Vec<OpenPart>,
+    /// Count of the primitives that these are parts of.
+    pub n_wholes: u32,
     /// The transformation where it began.
     pub base: Mat4,
     /// What holds again after it.

@@ -340,7 +340,7 @@ impl Context {
             params: columns,
             moved: None,
         };
-        self.add_spheres(instances, vec![])
+        self.add_spheres(instances, vec![], true)
     }
 
     pub(super) fn draw_curves(&mut self, kind: &str, n_vertices: Vec<i32>, wrap: &str, params: Params) -> RiResult {

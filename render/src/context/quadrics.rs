@@ -22,7 +22,7 @@ impl Context {
         let own_corners = self.texture_corners() == TEXTURE_CORNERS;
         if is_whole && !varies && own_corners && self.motion.is_none() && !is_projective(&self.transform) {
             let uniform = uniform_numbers(params)?;
-            return self.add_spheres(one_sphere(r), uniform);
+            return self.add_spheres(one_sphere(r), uniform, false);
         }
         let angle = |z: f32| (z / r).clamp(-1.0, 1.0).asin();
         self.quadric(Outline::Circle([0.0; 2], r, [z_min, z_max].map(angle)), sweep, params)

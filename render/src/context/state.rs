@@ -3,7 +3,7 @@
 use crate::context::copies::Copies;
 use crate::context::geometry::Geometry;
 use crate::context::motion_block::{Keys, MotionBlock, Moving, Place};
-use crate::context::open_object::{Group, OpenObject};
+use crate::context::open_object::{Group, OpenObject, Uniform};
 use crate::context::result::RenderResult;
 use crate::film::bucket::Shard;
 use crate::gprim::perspective::{is_projective, projected};
@@ -14,7 +14,7 @@ use crate::scene::motion;
 use crate::scene::options::{Hider, Options};
 use crate::scene::patch::{Patch, TEXTURE_CORNERS};
 use crate::scene::shape::Shape;
-use crate::scene::source::{Part, Source, SourceShape, duplicates, instance_variables};
+use crate::scene::source::{Part, Source, SourceShape, Wholes, duplicates, instance_variables};
 use crate::scene::variables::{VariableName, VariableNames};
 use crate::scene::world::Scene;
 use crate::texture;
@@ -67,8 +67,10 @@ pub struct Context {
     pub(super) made: texture::Made,
     pub(super) scene: Scene,
     pub(super) copies: Copies,
-    /// The attributes that the patches of one primitive have in common.
-    pub(super) of_patches: Option<Arc<Attributes>>,
+    /// The attributes that the patches of one primitive have in common, and the whole that these are parts of.
+    pub(super) of_patches: Option<(Arc<Attributes>, Wholes)>,
+    /// The wholes of the instances of an object.
+    pub(super) of_instances: Option<Wholes>,
     /// Attributes and transformations that were kept when the world began.
     pub(super) outside: [usize; 2],
     pub(super) objects: HashMap<String, Arc<Vec<Group>>>,
@@ -237,11 +239,13 @@ impl Context {
         let attached = self.attach(&[], &names);
         let (names, solid) = (Arc::new(names), self.enter_part());
         let corners = self.texture_corners();
-        self.of_patches = Some(self.opened_attributes());
+        let shared = patches.len() > 1;
+        let whole = self.take_wholes(1);
+        self.of_patches = Some((self.opened_attributes(), Wholes { first: whole, per_instance: 1, shared }));
         let done = patches.into_iter().try_for_each(|mut patch| {
             patch.trim.clone_from(&self.geometry.trim);
             patch.set_corners(&corners);
-            self.add(Shape::Patches(Arc::new(vec![patch]), names.clone()), vec![], attached.clone())
+            self.add(Shape::Patches(Arc::new(vec![patch]), names.clone()), vec![], attached.clone(), whole)
         });
         self.of_patches = None;
         self.attributes.solid = solid;
@@ -265,10 +269,21 @@ impl Context {
         done
     }
 
-    /// Spheres by columns, or as parts of the object that is open.
-    pub(super) fn add_spheres(&mut self, instances: Instances, uniform: Vec<(VariableName, Vec<f32>)>) -> RiResult {
+    /// Name primitives, of the object that is open or of the scene: the first of their names.
+    pub(super) fn take_wholes(&mut self, n: u32) -> u32 {
+        let next = match &mut self.open_object {
+            Some(object) => &mut object.n_wholes,
+            None => &mut self.scene.n_wholes,
+        };
+        let first = *next;
+        *next = first.wrapping_add(n);
+        first
+    }
+
+    /// Spheres by columns, or as parts of the object that is open; `particles` are those of `Points`.
+    pub(super) fn add_spheres(&mut self, instances: Instances, uniform: Uniform, particles: bool) -> RiResult {
         if let Some(block) = &mut self.motion {
-            block.calls.push(Moving::Spheres(instances, uniform));
+            block.calls.push(Moving::Spheres(instances, uniform, particles));
             return Ok(());
         }
         let of_instances = instance_variables(&instances).map(|p| VariableName::of(&p.decl));
@@ -276,40 +291,35 @@ impl Context {
         let attached = self.attach(&own, &VariableNames::default());
         let solid = self.enter_part();
         let done = if self.open_object.is_none() {
-            self.push_in(SourceShape::Spheres(instances), uniform, vec![attached], true)
+            self.push_in(SourceShape::Spheres(instances), uniform, vec![attached], [true, particles])
         } else {
-            self.add_sphere_parts(&instances, &uniform)
+            self.add_sphere_parts(&instances, &uniform, particles)
         };
         self.attributes.solid = solid;
         done
     }
 
-    /// Add a primitive, to the scene or to the object that is open.
-    fn add(&mut self, shape: Shape, uniform: Vec<(VariableName, Vec<f32>)>, attached: Arc<Attached>) -> RiResult {
+    /// Add a primitive, to the scene or to the object that is open, as a part of a whole.
+    fn add(&mut self, shape: Shape, uniform: Uniform, attached: Arc<Attached>, whole: u32) -> RiResult {
         if self.open_object.is_some() {
             let (place, moves) = self.place_in_object();
-            return self.add_part(Part { shape, place, space: place }, moves, uniform);
+            return self.add_part(Part { shape, place, space: place, whole, particle: false }, moves, uniform);
         }
         self.push(SourceShape::One(shape), uniform, vec![attached])
     }
 
     /// Add a source of primitives to the scene, of which spheres have object spaces of their own.
-    pub(super) fn push(
-        &mut self,
-        shape: SourceShape,
-        uniform: Vec<(VariableName, Vec<f32>)>,
-        attached: Vec<Arc<Attached>>,
-    ) -> RiResult {
-        self.push_in(shape, uniform, attached, false)
+    pub(super) fn push(&mut self, shape: SourceShape, uniform: Uniform, attached: Vec<Arc<Attached>>) -> RiResult {
+        self.push_in(shape, uniform, attached, [false; 2])
     }
 
-    /// Add a source of primitives to the scene; its spheres may share the current object space.
+    /// Add a source of primitives to the scene; its spheres may share the current object space, and be `Points`.
     fn push_in(
         &mut self,
         shape: SourceShape,
-        uniform: Vec<(VariableName, Vec<f32>)>,
+        uniform: Uniform,
         attached: Vec<Arc<Attached>>,
-        shares_space: bool,
+        [shares_space, particles]: [bool; 2],
     ) -> RiResult {
         self.in_world("a primitive")?;
         let [from, until] = self.attributes.seen;
@@ -323,25 +333,16 @@ impl Context {
             self.scene.warn(format!("a primitive that reaches farther than {FARTHEST:e} units is not drawn"));
             return Ok(());
         }
-        if let Some(light) = self.attributes.area_light {
-            if !self.moves.is_empty() {
-                self.scene.warn("an area light shines from where it is when the shutter opens".into());
-            }
-            let (area, to_world) = (&mut self.scene.area_lights[light].area, self.transform);
-            let reversed = self.attributes.reversed;
-            match &shape {
-                SourceShape::One(shape) => area.add(shape, to_world, reversed),
-                SourceShape::Spheres(columns) => {
-                    (0..columns.len()).for_each(|i| area.add(&Shape::Sphere, to_world * columns.matrix(i), reversed))
-                }
-                SourceShape::Objects(columns, parts) => (0..columns.len()).for_each(|i| {
-                    let place = to_world * columns.matrix(i);
-                    parts.iter().for_each(|part| area.add(&part.shape, place * part.place, reversed));
-                }),
-            }
-        }
+        self.shine(&shape);
         let shutter = self.open_shutter();
-        let attributes = self.of_patches.clone().unwrap_or_else(|| self.opened_attributes());
+        let (attributes, wholes) = match (self.of_patches.clone(), self.of_instances) {
+            (Some(own), _) => own,
+            (None, Some(wholes)) => (self.opened_attributes(), wholes),
+            (None, None) => {
+                let first = self.take_wholes(shape.n_instances() as u32);
+                (self.opened_attributes(), Wholes { first, per_instance: 1, shared: false })
+            }
+        };
         let (to_world, moves) =
             if self.moves.is_empty() { (self.transform, vec![]) } else { motion::in_shutter(&self.moves, shutter) };
         let mut shape = shape;
@@ -365,11 +366,47 @@ impl Context {
             _ => vec![],
         };
         let spot = self.scene.warnings.spot();
-        let source = Source { shape, to_world, moves, attributes, uniform, shares_space, duplicates, attached, spot };
+        let first_id = self.scene.n_items + 1;
+        let source = Source {
+            shape,
+            to_world,
+            moves,
+            attributes,
+            uniform,
+            shares_space,
+            particles,
+            wholes,
+            first_id,
+            duplicates,
+            attached,
+            spot,
+        };
+        self.scene.n_items += source.len();
         if !self.copies.hide(&self.scene.sources, &source) {
             self.scene.sources.push(source);
         }
         Ok(())
+    }
+
+    /// Add a primitive to the area light that primitives become, if they do.
+    fn shine(&mut self, shape: &SourceShape) {
+        if let Some(light) = self.attributes.area_light {
+            if !self.moves.is_empty() {
+                self.scene.warn("an area light shines from where it is when the shutter opens".into());
+            }
+            let (area, to_world) = (&mut self.scene.area_lights[light].area, self.transform);
+            let reversed = self.attributes.reversed;
+            match shape {
+                SourceShape::One(shape) => area.add(shape, to_world, reversed),
+                SourceShape::Spheres(columns) => {
+                    (0..columns.len()).for_each(|i| area.add(&Shape::Sphere, to_world * columns.matrix(i), reversed))
+                }
+                SourceShape::Objects(columns, parts) => (0..columns.len()).for_each(|i| {
+                    let place = to_world * columns.matrix(i);
+                    parts.iter().for_each(|part| area.add(&part.shape, place * part.place, reversed));
+                }),
+            }
+        }
     }
 
     /// The attributes of a primitive that is added to the scene.

@@ -28,7 +28,7 @@ impl Context {
 
     /// Concatenate a skew.
     pub(super) fn concat_skew(&mut self, angle: f32, from: [f32; 3], to: [f32; 3]) -> RiResult {
-        if !((angle.to_radians() as f64).cos().abs() > 1e-6) {
+        if !(angle.abs() < 90.0) {
             return Err(Fail::new(format!("the angle of a skew is {angle}, expected less than 90 degrees either way")));
         }
         // Points move along `to`, by as much as turns `from` by the angle towards it.

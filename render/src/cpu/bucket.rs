@@ -22,7 +22,7 @@ use crate::scene::shape::Shape;
 use crate::scene::source::Item;
 use crate::stats::Stats;
 use sl::machine::Points;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::time::Instant;
 
 /// The memory of the stages, kept from bucket to bucket: each stage is given its own part.
@@ -75,12 +75,17 @@ fn draw_bucket(
     let mut items = items.iter().peekable();
     // The solid that the last item is of.
     let mut solid = None;
+    // How many items of each whole are still to come, once layers are packed.
+    let mut wholes: Option<HashMap<u32, u32>> = None;
+    let whole_of = |item: Item| frame.scene.shared_whole_of(item);
     loop {
         if samples.is_crowded(1) && !deferred.has_uncut() {
             deferred.flush(frame, samples, shading, &mut stats);
-            pack(frame, samples, &dicer.queue, items.peek().map(|(z, _)| *z));
+            let to_come = || items.clone().filter_map(|(_, item)| whole_of(*item));
+            let wholes = wholes.get_or_insert_with(|| counted(to_come()));
+            pack(frame, samples, &dicer.queue, items.peek().map(|(z, _)| *z), wholes);
         }
-        if samples.is_overfull() && bucket.width.max(bucket.height) > SMALL {
+        if (samples.is_overfull() || deferred.is_overfull()) && bucket.width.max(bucket.height) > SMALL {
             return None;
         }
         // Between solids those that are whole may be cut, once none of their pieces waits.
@@ -96,6 +101,8 @@ fn draw_bucket(
         let Some(item) = waiting.map(|w| w.item()).or_else(|| items.next().map(|(_, item)| *item)) else { break };
         if waiting.is_none() {
             solid = frame.scene.root(item);
+            let left = wholes.as_mut().and_then(|wholes| wholes.get_mut(&whole_of(item)?));
+            left.into_iter().for_each(|left| *left -= 1);
         }
         let view = frame.scene.view(item);
         instants(camera, &view, moments);
@@ -129,11 +136,27 @@ fn draw_bucket(
     Some((pixels, stats))
 }
 
+/// How many there are of each name.
+fn counted(names: impl Iterator<Item = u32>) -> HashMap<u32, u32> {
+    let mut all = HashMap::new();
+    names.for_each(|name| *all.entry(name).or_default() += 1);
+    all
+}
+
 /// Pack the layers of samples, all of which have their colours, between two items or pieces.
-fn pack(frame: &Frame<'_>, samples: &mut Samples, queue: &Queue, next_item: Option<f32>) {
+fn pack(
+    frame: &Frame<'_>,
+    samples: &mut Samples,
+    queue: &Queue,
+    next_item: Option<f32>,
+    wholes_to_come: &HashMap<u32, u32>,
+) {
     let waiting: HashSet<u64> = queue.items().map(primitive_of).collect();
+    let wholes: HashSet<u32> = queue.items().filter_map(|item| frame.scene.shared_whole_of(item)).collect();
+    let has_whole = |whole: u32| wholes.contains(&whole) || wholes_to_come.get(&whole).is_some_and(|n| *n > 0);
+    let has = |primitive: u64, whole: Option<u32>| waiting.contains(&primitive) || whole.is_some_and(has_whole);
     let next = [queue.least_depth(), next_item].into_iter().flatten().fold(f32::INFINITY, f32::min);
-    samples.pack(&ToCome { z: next, has: &|primitive| waiting.contains(&primitive) }, &frame.aovs);
+    samples.pack(&ToCome { z: next, has: &has }, &frame.aovs);
 }
 
 /// The name of a primitive among samples.
@@ -213,7 +236,7 @@ impl Sink for Grids<'_> {
             self.deferred.flush(self.frame, self.samples, self.shading, self.stats);
         }
         if is_crowded {
-            self.samples.pack(&ToCome { z: 0.0, has: &|_| true }, &self.frame.aovs);
+            self.samples.pack(&ToCome { z: 0.0, has: &|_, _| true }, &self.frame.aovs);
         }
     }
 }
@@ -254,7 +277,10 @@ impl Grids<'_> {
             index: self.deferred.next(),
             opaque,
             smooth: view.attributes.smooth,
+            size: [nu, grid.points.nv],
+            rims: grid.origin.map_or([false; 4], |part| part.rims()),
             primitive,
+            whole: self.frame.scene.shared_whole_of(item),
             seen: view.attributes.seen,
             planes: &self.frame.planes,
             solid,

@@ -67,12 +67,15 @@ impl Bvh {
     pub fn build(scene: &Scene, of: impl Fn(Item) -> bool) -> Bvh {
         let translucent: Vec<bool> = scene.sources.iter().map(|s| !s.blocks_light()).collect();
         let any_translucent = translucent.contains(&true);
-        let mut bvh = Bvh { translucent, any_translucent, ..Bvh::default() };
-        for item in scene.items() {
-            if of(item) {
-                let (shape, to_world) = scene.place(item);
-                bvh.add(item, shape, to_world);
-            }
+        Bvh { translucent, any_translucent, ..Bvh::of(scene, scene.items().filter(|item| of(*item))) }
+    }
+
+    /// Build it over some items of a scene, as if all were opaque.
+    pub fn of(scene: &Scene, items: impl Iterator<Item = Item>) -> Bvh {
+        let mut bvh = Bvh::default();
+        for item in items {
+            let (shape, to_world) = scene.place(item);
+            bvh.add(item, shape, to_world);
         }
         let (tree, order) = Tree::new(bvh.occluders.par_iter().map(|(_, occluder)| bvh.bound(occluder)));
         bvh.tree = tree;
@@ -108,7 +111,8 @@ impl Bvh {
         }
     }
 
-    fn bound(&self, occluder: &Occluder) -> (Vec3, Vec3) {
+    /// The box around an occluder.
+    pub fn bound(&self, occluder: &Occluder) -> (Vec3, Vec3) {
         match *occluder {
             Occluder::Sphere { center, radius } => (center - radius, center + radius),
             Occluder::Ellipsoid { inverse } => {

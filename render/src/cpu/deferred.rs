@@ -188,6 +188,12 @@ impl Deferred {
         self.n >= most || self.grids.len() >= MAX_GRIDS
     }
 
+    /// Whether parts of solids that are not whole come near to what is deferred at most: what of them is within others, or behind them, would
+    /// be shaded.
+    pub fn is_overfull(&self) -> bool {
+        self.uncut && self.n >= MAX_POINTS * SOLID_TIMES / 4 * 3
+    }
+
     /// Whether solids should be cut and flushed as soon as they are whole: what is hidden within others, or behind them, is not shaded.
     pub fn cuts_early(&self) -> bool {
         self.uncut && self.n >= SOLID_POINTS
@@ -273,8 +279,9 @@ impl Deferred {
                 }
             }
         }
-        note_identities(frame, samples, grids);
-        samples.set_colors(&Colors { layouts, color, opacity }, outputs);
+        let colors = Colors { layouts, color, opacity };
+        note_identities(frame, samples, grids, &colors);
+        samples.set_colors(&colors, outputs);
         layouts.clear();
         spare.extend(grids.drain(..).map(|grid| grid.points));
         (*n, *uncut) = (0, false);
@@ -284,9 +291,9 @@ impl Deferred {
 }
 
 /// Note what samples see that have no colour yet, if that is kept.
-fn note_identities(frame: &Frame<'_>, samples: &mut Samples, grids: &[DeferredGrid]) {
+fn note_identities(frame: &Frame<'_>, samples: &mut Samples, grids: &[DeferredGrid], colors: &Colors<'_>) {
     if frame.options.keep_ids {
-        samples.note_identities(|m| {
+        samples.note_identities(colors, |m| {
             let grid = &grids[m.grid()];
             identity(grid.item, &grid.points, m.corners(grid.points.nu))
         });

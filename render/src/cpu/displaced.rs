@@ -19,6 +19,7 @@ use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use sl::machine::Machine;
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
 /// Pixels of displacement below which it is not worth meshes.
@@ -197,6 +198,24 @@ impl<'a> Displaced<'a> {
     pub fn facets(&self, item: Item) -> Option<Vec<[Vec3; 3]>> {
         let entry = &self.entries[*self.index.get(&(item.source, item.index))? as usize];
         Some(self.form(entry).meshes.iter().flat_map(Mesh::facets).collect())
+    }
+
+    /// The triangles of all items, each with its item and how near its start a ray meets none of its mesh; none if there are more than these.
+    pub fn all_facets(&self, most: usize) -> Option<Vec<(Item, [Vec3; 3], f32)>> {
+        let n = AtomicUsize::new(0);
+        let of = |entry: &Entry| {
+            // Nothing more is displaced once there are too many.
+            if n.load(Ordering::Relaxed) > most {
+                return vec![];
+            }
+            let meshes = &self.form(entry).meshes;
+            let facets = meshes.iter().flat_map(|mesh| mesh.facets().map(|facet| (entry.item, facet, mesh.room())));
+            let own: Vec<_> = facets.collect();
+            n.fetch_add(own.len(), Ordering::Relaxed);
+            own
+        };
+        let all: Vec<Vec<_>> = self.entries.par_iter().with_max_len(1).map(of).collect();
+        (n.into_inner() <= most).then(|| all.into_iter().flatten().collect())
     }
 
     /// Visit the meshes that a ray meets within a length; the visitor answers how much of the length still counts, or ends it.

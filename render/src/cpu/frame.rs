@@ -36,8 +36,6 @@ pub struct Frame<'a> {
     pub aovs: Vec<Aov>,
     /// Count of the numbers of a sample that these are.
     pub depth: usize,
-    /// The id of the first item of each source, from 1.
-    pub first_ids: Vec<usize>,
 }
 
 impl<'a> Frame<'a> {
@@ -52,10 +50,10 @@ impl<'a> Frame<'a> {
         let met = displacement_rays.clone();
         let displace: Displace<'a> =
             Arc::new(move |subject, grid, machine| displace(scene, &met, subject, grid, machine));
-        let (rays, first_ids) = (Rays::new(scene, &camera, &displace), scene.first_ids());
+        let rays = Rays::new(scene, &camera, &displace);
         let planes = camera.raster_planes(&options.clipping_planes);
         let known = Known::default();
-        Frame { known, planes, scene, rays, displacement_rays, options, camera, jitter, filter, aovs, depth, first_ids }
+        Frame { known, planes, scene, rays, displacement_rays, options, camera, jitter, filter, aovs, depth }
     }
 
     /// Pixels around a bucket that its filters reach into, along x and y.

@@ -118,6 +118,11 @@ impl Mesh {
         self.quads(None).flat_map(|k| self.triangles(k)).map(|corners| corners.map(|k| self.points[k]))
     }
 
+    /// How near its start a ray meets none of it.
+    pub fn room(&self) -> f32 {
+        self.room
+    }
+
     /// Visit the triangles that a ray of unit direction meets, from `least` on and no farther than a length: how far, which, and
     /// where in it. The visitor answers how much of the length still counts.
     #[inline]

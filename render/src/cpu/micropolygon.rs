@@ -40,16 +40,23 @@ impl Micropolygon {
         (self.0 >> (POINT_BITS + 1)) as usize
     }
 
+    /// Its first point.
     #[inline(always)]
-    fn point(self) -> usize {
+    pub fn point(self) -> usize {
         (self.0 >> 1) as usize & ((1 << POINT_BITS) - 1)
+    }
+
+    /// Whether it is the second of the two triangles.
+    #[inline(always)]
+    pub fn is_second(self) -> bool {
+        self.0 & 1 == 1
     }
 
     /// Corners of the triangle, in rows of `nu` points.
     #[inline(always)]
     pub fn corners(self, nu: usize) -> [usize; 3] {
         let k = self.point();
-        if self.0 & 1 == 0 { [k, k + 1, k + nu + 1] } else { [k, k + nu + 1, k + nu] }
+        if self.is_second() { [k, k + nu + 1, k + nu] } else { [k, k + 1, k + nu + 1] }
     }
 }
 

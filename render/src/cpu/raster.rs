@@ -61,10 +61,16 @@ impl Raster {
         let points = &grid.points;
         let (n, nu, nv) = (points.n(), points.nu, points.nv);
         let (place, normal) = (points.get(Global::P).unwrap_or(&[]), points.get(Global::N).unwrap_or(&[]));
+        // `Points` are disks before the eye, whose sides are one.
+        let a = view.attributes;
+        let is_opaque = a.stays_opaque() && view.attached.opacity.is_none();
+        let is_disk = view.particle && a.two_sided && !is_opaque;
+        let one_sided = (!a.two_sided || is_disk) && a.solid.is_none();
+        let outward = if is_disk && a.reversed { -1.0 } else { 1.0 };
         // Of a one-sided primitive, micropolygons that face away are not there.
         let away = |k: usize| {
             let of = |v: &[f32]| Vec3::new(v[k], v[n + k], v[2 * n + k]);
-            of(normal).dot(camera.incident(of(place))) > 0.0
+            outward * of(normal).dot(camera.incident(of(place))) > 0.0
         };
         let Raster { at, micropolygons } = self;
         let behind = |k: usize| at.iter().any(|raster| !(raster[k][2] >= camera.near));
@@ -75,7 +81,7 @@ impl Raster {
                 let k = j * nu + i;
                 if grid.trimmed.get(j * (nu - 1) + i) == Some(&true)
                     || (any_behind && [k, k + 1, k + nu + 1, k + nu].into_iter().any(behind))
-                    || (!view.attributes.two_sided && view.attributes.solid.is_none() && away(k))
+                    || (one_sided && away(k))
                 {
                     continue;
                 }

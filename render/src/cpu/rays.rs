@@ -13,16 +13,19 @@ use crate::scene::camera::Camera;
 use crate::scene::facets::{Cut, facets_of};
 use crate::scene::shape::Shape;
 use crate::scene::solid::{Met, Solids, Walk};
-use crate::scene::source::{Item, Source};
+use crate::scene::source::Item;
 use crate::scene::world::Scene;
-use glam::{Quat, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 use std::cell::RefCell;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
 use std::sync::OnceLock;
 
 /// The part of the way to a light at whose end surfaces do not count.
 pub const BEFORE_END: f32 = 1.0 - 1e-4;
+
+/// What rounding makes of how far along a ray two facets are that share an edge, in parts of that and of where the ray begins.
+const ROUNDING: f32 = 1e-5;
 
 /// What rays meet.
 #[derive(Default)]
@@ -74,9 +77,9 @@ impl<'a> Rays<'a> {
         Rays { surfaces: Bvh::build(scene, met), ..Rays::default() }
     }
 
-    /// What they meet, if that is neither displaced nor of solids.
-    pub fn plain_surfaces(&self) -> Option<&Bvh> {
-        (self.displaced.is_none() && self.solids.is_none()).then_some(&self.surfaces)
+    /// What they meet, undisplaced and displaced, if none of it is of solids.
+    pub fn open_surfaces(&self) -> Option<(&Bvh, Option<&Displaced<'a>>)> {
+        self.solids.is_none().then_some((&self.surfaces, self.displaced.as_deref()))
     }
 
     /// Whether rays meet an item as displaced.
@@ -132,8 +135,8 @@ impl<'a> Rays<'a> {
         [open, displaced, solid].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// All surfaces along a direction within a length, nearest first. Those of one thing are at least `step` of how far they are from each
-    /// other: what is an edge of two of its facets is met once.
+    /// All surfaces along a direction within a length, nearest first; an edge of two facets of a primitive is met once. Of what is round,
+    /// the second is at least `step` of how far the first is from that.
     #[allow(clippy::too_many_arguments)]
     pub fn layers(
         &self,
@@ -158,12 +161,14 @@ impl<'a> Rays<'a> {
         }
         met.retain(|(t, _)| *t < length);
         met.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1.source, a.1.index).cmp(&(b.1.source, b.1.index))));
+        met.retain(|(t, item)| !scene.leaves_particle(*item, from + dir * *t, dir));
         if met.len() > 1 {
-            let mut last: HashMap<_, f32> = HashMap::new();
+            let mut last: HashMap<u32, f32> = HashMap::new();
+            let rounding = ROUNDING * from.abs().max_element();
             met.retain(|(t, item)| {
-                let before = last.entry(scene.whole_of(*item)).or_insert(f32::NEG_INFINITY);
-                let counts = *t > *before + step(*before);
-                *before = if counts { *t } else { *before };
+                let whole = scene.whole_of(*item);
+                let counts = last.get(&whole).is_none_or(|before| *t > *before + ROUNDING * before.abs() + rounding);
+                counts.then(|| last.insert(whole, *t));
                 counts
             });
         }
@@ -193,68 +198,59 @@ thread_local! {
 }
 
 impl<'a> Hulls<'a> {
-    fn new(scene: &Scene, displaced: Option<Box<Displaced<'a>>>, is_still: impl Fn(Item) -> bool) -> Hulls<'a> {
+    fn new(scene: &Scene, displaced: Option<Box<Displaced<'a>>>, is_still: impl Fn(Item) -> bool + Sync) -> Hulls<'a> {
         let of = |f: &dyn Fn(&crate::scene::attributes::Attributes) -> bool| {
             scene.sources.iter().map(|s| f(&s.attributes)).collect::<Vec<bool>>()
         };
         let mut hulls = Hulls {
-            bvh: Bvh::build(scene, is_still),
+            bvh: Bvh::build(scene, &is_still),
             displaced,
             solids: scene.solids.clone(),
             leaves: scene.sources.iter().map(|s| s.attributes.solid).collect(),
             casts: of(&|a| a.casts_shadows),
             outward: vec![],
         };
-        let all = scene.sources.par_iter().enumerate().map(|(s, source)| {
-            let n = if source.attributes.solid.is_some() { source.len() } else { 0 };
-            let is_met = source.duplicates.is_empty();
-            (0..n).map(|i| !is_met || hulls.finds_outward(scene, Item { source: s as u32, index: i as u32 })).collect()
-        });
-        let outward = all.collect();
-        hulls.outward = outward;
-        hulls.say_open(scene);
+        let mut primitives: BTreeMap<u32, Vec<Item>> = BTreeMap::new();
+        for (s, source) in scene.sources.iter().enumerate() {
+            hulls.outward.push(vec![true; if source.attributes.solid.is_some() { source.len() } else { 0 }]);
+            if let Some(leaf) = source.attributes.solid.filter(|_| source.duplicates.is_empty()) {
+                let items = (0..source.len()).map(|i| Item { source: s as u32, index: i as u32 });
+                primitives.entry(leaf).or_default().extend(items);
+            }
+        }
+        let primitives: Vec<Vec<Item>> = primitives.into_values().collect();
+        let known: Vec<(Vec<bool>, bool)> =
+            primitives.par_iter().map(|items| hulls.hull(scene, items, &is_still)).collect();
+        for (items, (outward, is_open)) in primitives.iter().zip(known) {
+            for (item, outward) in items.iter().zip(outward) {
+                hulls.outward[item.source as usize][item.index as usize] = outward;
+            }
+            if is_open {
+                let message = "a primitive of a solid does not enclose a volume: parts of the solid may be missing";
+                scene.warnings.add_at(scene.sources[items[0].source as usize].spot, message.into());
+            }
+        }
         hulls
     }
 
-    /// Say which primitives do not enclose a volume.
-    fn say_open(&self, scene: &Scene) {
-        let is_open = |(s, source): (usize, &Source)| {
-            let n = if source.attributes.solid.is_some() && source.duplicates.is_empty() { source.len() } else { 0 };
-            (0..n).any(|i| self.is_open(scene, Item { source: s as u32, index: i as u32 }))
-        };
-        let open: Vec<bool> = scene.sources.par_iter().enumerate().map(is_open).collect();
-        let mut said = HashSet::new();
-        for (source, _) in scene.sources.iter().zip(open).filter(|(_, open)| *open) {
-            if said.insert(source.attributes.solid) {
-                let message = "a primitive of a solid does not enclose a volume: parts of the solid may be missing";
-                scene.warnings.add_at(source.spot, message.into());
-            }
+    /// Of the items of a primitive, which way each is turned, and whether they do not enclose a volume.
+    fn hull(&self, scene: &Scene, items: &[Item], is_still: impl Fn(Item) -> bool) -> (Vec<bool>, bool) {
+        let facets: Vec<Vec<[Vec3; 3]>> = items.iter().map(|item| self.facets(scene, *item)).collect();
+        if facets.iter().all(Vec::is_empty) {
+            return (vec![true; items.len()], false);
         }
-    }
-
-    /// Whether lines through an item pass through its primitive's surfaces an odd number of times: two of six, since one may run through
-    /// an edge.
-    fn is_open(&self, scene: &Scene, item: Item) -> bool {
-        let facets = self.facets(scene, item);
-        let leaf = self.leaves[item.source as usize];
-        let is_odd = |k: &usize| {
-            let [a, b, c] = facets[(facets.len() * (2 * k + 1)) / 12];
-            let (along, normal) = ((b - a).normalize_or_zero(), (b - a).cross(c - a).normalize_or_zero());
-            let size = (b - a).cross(c - a).length() / (b - a).length().max((c - a).length()).max((c - b).length());
-            if !(size > 0.0) {
-                return false;
+        let still = Bvh::of(scene, items.iter().copied().filter(|item| is_still(*item)));
+        let leaf = self.leaves[items[0].source as usize];
+        let count = |from: Vec3, dir: Vec3, bias: f32| {
+            let (mut met, mut spots) = (vec![], vec![]);
+            still.crossings(None, from, dir, [bias; 2], &mut met);
+            if let Some(displaced) = &self.displaced {
+                displaced.spots(from, dir, &mut spots);
             }
-            // Askew, each another way: straight through a wall without ends a line meets the wall over against it.
-            let turned = Quat::from_axis_angle(normal, *k as f32 * 1.1 + 0.3) * along;
-            let dir = (turned * 0.94 + normal * 0.34 + Vec3::new(0.0213, 0.0127, -0.0171)).normalize_or_zero();
-            let from = a * 0.41 + b * 0.28 + c * 0.31;
-            let mut met = vec![];
-            for dir in [dir, -dir] {
-                self.crossings(None, from, dir, [1e-3 * size; 2], &mut met);
-            }
-            met.iter().filter(|m| self.leaves[m.item.source as usize] == leaf).count() % 2 == 0
+            met.len() + spots.iter().filter(|(item, _)| self.leaves[item.source as usize] == leaf).count()
         };
-        !facets.is_empty() && (0..6).filter(is_odd).count() >= 2
+        let outward = facets.iter().map(|facets| finds_outward(facets, &count)).collect();
+        (outward, is_open(&facets.concat(), &count))
     }
 
     /// The facets of an item, as rays meet it; none of a whole sphere.
@@ -273,36 +269,6 @@ impl<'a> Hulls<'a> {
     /// Whether no light gets through an item that casts shadows.
     fn blocks(&self, item: Item) -> bool {
         self.casts[item.source as usize] && !self.bvh.is_translucent(item)
-    }
-
-    /// Whether the cross product of the directions along u and v of an item points out of its primitive: a ray that way leaves it if
-    /// it meets an even number of its surfaces. Of three rays from different places most are believed.
-    fn finds_outward(&self, scene: &Scene, item: Item) -> bool {
-        let facets = self.facets(scene, item);
-        // By area: at a pole a facet has none, or what rounding makes of it, and no normal.
-        let mut area = 0.0;
-        let sums = facets.iter().map(|[a, b, c]| {
-            area += (b - a).cross(c - a).length();
-            area
-        });
-        let sums: Vec<f32> = sums.collect();
-        if !(area > 0.0) {
-            return true;
-        }
-        let leaf = self.leaves[item.source as usize];
-        let leaves_it = |part: f32| {
-            let [a, b, c] = facets[sums.partition_point(|sum| *sum <= area * part).min(facets.len() - 1)];
-            let normal = (b - a).cross(c - a).normalize_or_zero();
-            // Less than what is opposite is away: a facet along a bore is as wide as that, and may be much longer.
-            let size = (b - a).cross(c - a).length() / (b - a).length().max((c - a).length()).max((c - b).length());
-            // Off the middle and the normal, where edges of other surfaces may lie.
-            let from = a * 0.41 + b * 0.28 + c * 0.31;
-            let dir = (normal + Vec3::new(0.0213, 0.0127, -0.0171)).normalize_or_zero();
-            let mut met = vec![];
-            self.crossings(None, from, dir, [1e-3 * size; 2], &mut met);
-            met.iter().filter(|m| self.leaves[m.item.source as usize] == leaf).count() % 2 == 0
-        };
-        [0.23, 0.51, 0.83].into_iter().filter(|part| leaves_it(*part)).count() >= 2
     }
 
     /// Add all places where a ray meets a surface of a primitive, as [`Bvh::crossings`].
@@ -361,4 +327,68 @@ impl<'a> Hulls<'a> {
             surfaces.for_each(|m| visit(m.t, m.item));
         });
     }
+}
+
+/// Whether the cross product of the directions along u and v of an item with these facets points out of its primitive: a ray that way
+/// leaves it if it meets an even number of its surfaces, which `count` knows. Of three rays from different places most are believed.
+fn finds_outward(facets: &[[Vec3; 3]], count: &impl Fn(Vec3, Vec3, f32) -> usize) -> bool {
+    let sums = areas(facets);
+    let area = sums.last().copied().unwrap_or(0.0);
+    if !(area > 0.0) {
+        return true;
+    }
+    let leaves_it = |part: f32| {
+        let [a, b, c] = facets[sums.partition_point(|sum| *sum <= area * part).min(facets.len() - 1)];
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        // Less than what is opposite is away: a facet along a bore is as wide as that, and may be much longer.
+        let size = (b - a).cross(c - a).length() / (b - a).length().max((c - a).length()).max((c - b).length());
+        // Off the middle and the normal, where edges of other surfaces may lie.
+        let from = a * 0.41 + b * 0.28 + c * 0.31;
+        let dir = (normal + Vec3::new(0.0213, 0.0127, -0.0171)).normalize_or_zero();
+        // Where the facet itself lies is known as far as numbers are.
+        let bias = (1e-3 * size).max(1e-6 * from.abs().max_element());
+        count(from, dir, bias).is_multiple_of(2)
+    };
+    [0.23, 0.51, 0.83].into_iter().filter(|part| leaves_it(*part)).count() >= 2
+}
+
+/// Lines that are drawn through a primitive to find whether it encloses a volume, how many more if one of them says that it does not, and
+/// how many of all may say so: one may run through an edge.
+const LINES: usize = 128;
+const MORE_LINES: usize = 256;
+const MOST_ODD: usize = 2;
+
+/// Whether lines through a primitive with these facets, from one side of it to the other, meet its surfaces an odd number of times.
+fn is_open(facets: &[[Vec3; 3]], count: &impl Fn(Vec3, Vec3, f32) -> usize) -> bool {
+    let sums = areas(facets);
+    let area = sums.last().copied().unwrap_or(0.0);
+    let hull = |(lo, hi): (Vec3, Vec3), p: &Vec3| (lo.min(*p), hi.max(*p));
+    let (lo, hi) = facets.iter().flatten().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), hull);
+    let size = (hi - lo).length();
+    if !(area > 0.0 && size.is_finite()) {
+        return false;
+    }
+    let is_odd = |k: usize, n: usize| {
+        let spread = |by: f32| (0.5 + (k + 1) as f32 * by).fract();
+        let part = (k as f32 + 0.5) / n as f32;
+        let [a, b, c] = facets[sums.partition_point(|sum| *sum <= area * part).min(facets.len() - 1)];
+        let (x, y) = (0.25 * spread(0.618_034), 0.25 * spread(0.754_878));
+        let through = a + (b - a) * (0.2 + x) + (c - a) * (0.25 + y);
+        // All ways alike: by height and turn (Archimedes).
+        let (height, turn) = (2.0 * spread(0.569_84) - 1.0, std::f32::consts::TAU * spread(0.682_328));
+        let dir = Vec3::new(turn.cos(), turn.sin(), 0.0) * (1.0 - height * height).sqrt() + Vec3::Z * height;
+        // From so far away that no facet counts as the one that the line starts from.
+        !count(through - dir * (2.0 * size), dir, 0.0).is_multiple_of(2)
+    };
+    (0..LINES).any(|k| is_odd(k, LINES)) && (0..MORE_LINES).filter(|k| is_odd(*k, MORE_LINES)).count() > MOST_ODD
+}
+
+/// Sums of the areas of facets, twice. At a pole a facet has none, or what rounding makes of it, and no normal.
+fn areas(facets: &[[Vec3; 3]]) -> Vec<f32> {
+    let mut sum = 0.0;
+    let areas = facets.iter().map(|[a, b, c]| {
+        sum += (b - a).cross(c - a).length();
+        sum
+    });
+    areas.collect()
 }

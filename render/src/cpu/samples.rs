@@ -36,10 +36,14 @@ struct Layer {
     /// Depth of the nearest of them that is half opaque; infinite if none is.
     half_z: f32,
     primitive: u64,
+    /// The whole that the primitive is a part of, if others may be, too.
+    whole: Option<u32>,
     sample: u32,
     next: u32,
     /// Of a solid, the primitive that is met, and whether the sample's line enters it.
     solid: Option<(u32, bool)>,
+    /// It is met at an edge of its primitive, where a neighbour of the same whole may be met, too.
+    at_rim: bool,
     /// It counts at the depth where nothing more is seen, too.
     last: bool,
 }
@@ -58,8 +62,13 @@ pub struct SampledGrid<'a> {
     pub opaque: bool,
     /// Colour is interpolated over a micropolygon.
     pub smooth: bool,
+    /// Points of the grid along u and v, and whether its first and last along u and along v are edges of the primitive.
+    pub size: [usize; 2],
+    pub rims: [bool; 4],
     /// Names the primitive, so that a sample on an edge that two of its micropolygons share counts once.
     pub primitive: u64,
+    /// The whole that the primitive is a part of, if others may be, too: a sample on an edge that two of these share counts once.
+    pub whole: Option<u32>,
     /// The part of the samples, from 0 to 1, that see it.
     pub seen: [f32; 2],
     /// Planes beyond which it is clipped; what is opaque has none.
@@ -68,6 +77,30 @@ pub struct SampledGrid<'a> {
     pub solid: Option<(u32, bool)>,
     /// Nothing is recorded: it is only asked whether any sample takes something.
     pub is_probe: bool,
+}
+
+/// The weight of the corner over against an edge, below which a sample lies on that edge.
+const ON_EDGE: f32 = 1e-3;
+
+/// The weight of a corner from which on a sample lies at it.
+const AT_CORNER: f32 = 0.95;
+
+impl SampledGrid<'_> {
+    /// Whether a place in a triangle of a micropolygon lies on an edge of the primitive.
+    fn is_at_rim(&self, m: Micropolygon, [w1, w2]: [f32; 2]) -> bool {
+        let ([nu, nv], k) = (self.size, m.point());
+        let (i, j) = (k % nu, k / nu);
+        let [low_u, high_u, low_v, high_v] = self.rims;
+        let (low_u, high_u, low_v, high_v) =
+            (low_u && i == 0, high_u && i + 2 == nu, low_v && j == 0, high_v && j + 2 == nv);
+        let w0 = 1.0 - w1 - w2;
+        // Over against the first corner and the third; of the second triangle against the first and the second.
+        let (edges, across, far) =
+            if m.is_second() { ([(w0, high_v), (w1, low_u)], w2, w1) } else { ([(w0, high_u), (w2, low_v)], w1, w2) };
+        // Beyond the diagonal, at a corner that it ends in, the edges of the other triangle are as near.
+        let at_corner = (w0 >= AT_CORNER && (low_u || low_v)) || (far >= AT_CORNER && (high_u || high_v));
+        edges.into_iter().any(|(weight, is_outer)| is_outer && weight <= ON_EDGE) || across <= 0.0 && at_corner
+    }
 }
 
 /// A tally of sampling.
@@ -89,6 +122,17 @@ pub(crate) fn within(w: [f32; 3]) -> [f32; 3] {
     let w = w.map(|x| x.max(0.0));
     let sum = w[0] + w[1] + w[2];
     w.map(|x| x / sum)
+}
+
+/// A step that visits all of so many samples, near the golden section.
+pub(crate) fn step(n: usize) -> usize {
+    let common = |mut a: usize, mut b: usize| {
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    };
+    (n * 618 / 1000..n).find(|step| common(*step, n) == 1).unwrap_or(1)
 }
 
 /// Pixels along the edge of a block whose greatest depth is kept for culling.
@@ -143,6 +187,8 @@ pub struct Samples {
     alpha: Vec<f32>,
     list: Vec<u32>,
     layers: Vec<Layer>,
+    /// Memory that layers are packed into.
+    packed: (Vec<Layer>, Vec<f32>),
     /// How many of the layers have been given their colours, and how many may be there before they are packed.
     n_colored: usize,
     room: usize,
@@ -152,8 +198,12 @@ pub struct Samples {
     outputs: Vec<f32>,
     layer_outputs: Vec<f32>,
     depth: usize,
+    /// Of each of these numbers, the channel of the opacity that it counts by.
+    weighted: Vec<Option<usize>>,
     /// The identities of what is visible, if these are kept; 0 where nothing is.
     identities: Vec<u64>,
+    /// The depths of these.
+    identity_z: Vec<f32>,
     /// The samples by their moments, where there is a lens.
     pub(crate) lens: LensSamples,
     block_z: Vec<f32>,
@@ -166,6 +216,8 @@ impl Samples {
     pub fn start(&mut self, jitter: &Jitter, x0: i64, y0: i64, width: usize, height: usize, aovs: &[Aov]) {
         (self.x0, self.y0, self.width, self.height, self.strata) = (x0, y0, width, height, jitter.strata);
         self.depth = display::depth(aovs);
+        self.weighted.clear();
+        self.weighted.extend(aovs.iter().flat_map(|aov| (0..aov.width()).map(|c| aov.is_weighted().then_some(c))));
         self.set_places(jitter);
         let n = self.x.len();
         self.z.clear();
@@ -184,6 +236,7 @@ impl Samples {
         self.outputs.clear();
         self.outputs.resize(n * self.depth, 0.0);
         self.identities.clear();
+        self.identity_z.clear();
         self.blocks = width.div_ceil(BLOCK);
         self.block_z.clear();
         self.block_z.resize(self.blocks * height.div_ceil(BLOCK), f32::INFINITY);
@@ -277,15 +330,7 @@ impl Samples {
         let stratum = |x: f32, strata: usize| ((x.fract() * strata as f32) as usize).min(strata - 1);
         let [px, py] = [(x, self.x0), (y, self.y0)].map(|(x, first)| (x.floor() as i64 + first) as u32);
         let hash = (px.wrapping_mul(0x9e37_79b1) ^ py.wrapping_mul(0x85eb_ca77)).wrapping_mul(0xc2b2_ae3d) >> 12;
-        let common = |mut a: usize, mut b: usize| {
-            while b > 0 {
-                (a, b) = (b, a % b);
-            }
-            a
-        };
-        // A step that visits all of them, near the golden section.
-        let step = (n * 618 / 1000..n).find(|step| common(*step, n) == 1).unwrap_or(1);
-        let rank = ((stratum(y, sy) * sx + stratum(x, sx)) * step + hash as usize) % n;
+        let rank = ((stratum(y, sy) * sx + stratum(x, sx)) * step(n) + hash as usize) % n;
         (rank as f32 + 0.5) / n as f32
     }
 
@@ -333,7 +378,8 @@ impl Samples {
         }
         let solid = grid.solid.map(|(leaf, positive)| (leaf, (area > 0.0) == positive));
         // Every surface of a solid counts.
-        let primitive = if solid.is_some() { NO_PRIMITIVE } else { grid.primitive };
+        let (primitive, whole) = if solid.is_some() { (NO_PRIMITIVE, None) } else { (grid.primitive, grid.whole) };
+        let at_rim = whole.is_some() && grid.is_at_rim(micropolygon, weights);
         let next = std::mem::replace(&mut self.list[k], self.layers.len() as u32);
         let (color, open, alpha, half_z) = ([0.0; 3], [1.0; 3], [0.0; 3], f32::INFINITY);
         let (sample, last) = (k as u32, false);
@@ -346,9 +392,11 @@ impl Samples {
             alpha,
             half_z,
             primitive,
+            whole,
             sample,
             next,
             solid,
+            at_rim,
             last,
         });
     }

@@ -42,23 +42,52 @@ pub fn shade(frame: &Frame<'_>, surface: &Surface<'_>, points: &mut Points, shad
     let begun = std::time::Instant::now();
     let mut scene = prepare(frame, surface, points);
     shading.machine.run_with(&a.surface, &view.attached.surface, points, &scene);
-    note_outputs(frame, item, view, points, shading);
     let n_lost = not_finite(points);
     if n_lost > 0 {
         frame.scene.not_finite(&a.surface.program, n_lost, item.source);
+        limit(points);
     }
+    note_outputs(frame, item, view, points, shading);
     if let Some(atmosphere) = &a.atmosphere {
         shading.machine.tell(Ask::Surface, &a.surface, points);
         scene.shader_to_world = a.atmosphere_space;
+        let known = if n_lost > 0 { not_finite(points) } else { 0 };
         shading.machine.run_with(atmosphere, &view.attached.atmosphere, points, &scene);
-        let more = not_finite(points).saturating_sub(n_lost);
+        let more = not_finite(points).saturating_sub(known);
         if more > 0 {
             frame.scene.not_finite(&atmosphere.program, more, item.source);
+            limit(points);
+        }
+    }
+    if !a.keeps_opacity() || view.attached.opacity.is_some() {
+        let n_beyond = beyond(surface_opacity(points), points.n());
+        if n_beyond > 0 {
+            frame.scene.not_opacities(&a.surface.program, n_beyond, item.source);
         }
     }
     points.footprints.clear();
     stats.shaded_points += points.n() as u64;
     stats.seconds.shade += begun.elapsed().as_secs_f64();
+}
+
+/// The greatest number that an image has of a surface: sums by any weights are numbers, too.
+const GREATEST: f32 = 1e30;
+
+/// Bring colours and opacities that are infinite into the range of an image.
+fn limit(points: &mut Points) {
+    for global in [Global::Ci, Global::Oi] {
+        points.get_mut(global).into_iter().flatten().for_each(|x| *x = x.clamp(-GREATEST, GREATEST));
+    }
+}
+
+/// How many points have opacities that lie beyond 0 and 1 by more than rounding.
+fn beyond(opacity: &[f32], n: usize) -> usize {
+    const ROUNDING: f32 = 1e-3;
+    let is_beyond = |x: &f32| *x < -ROUNDING || *x > 1.0 + ROUNDING;
+    if opacity.len() == 3 {
+        return if opacity.iter().any(is_beyond) { n } else { 0 };
+    }
+    (0..n).filter(|k| (0..3).any(|c| opacity.get(c * n + k).is_some_and(is_beyond))).count()
 }
 
 /// Points whose colour or opacity is no finite number.
@@ -97,7 +126,7 @@ fn note_outputs(frame: &Frame<'_>, item: Item, view: &ItemView<'_>, points: &Poi
         return;
     }
     outputs.resize(n * frame.depth, 0.0);
-    let id = [(frame.first_ids[item.source as usize] + item.index as usize) as f32];
+    let id = [frame.scene.id_of(item) as f32];
     for (first, aov) in placed(&frame.aovs) {
         let (width, name) = (aov.width(), aov.name.as_str());
         let variable = || points.variable(view.attached.slot(name)?);
@@ -113,7 +142,8 @@ fn note_outputs(frame: &Frame<'_>, item: Item, view: &ItemView<'_>, points: &Poi
         if let Some(values) = values.filter(|v| v.len() == width || v.len() == width * n) {
             for (k, out) in outputs.chunks_exact_mut(frame.depth).enumerate() {
                 for c in 0..width {
-                    out[first + c] = if values.len() == width { values[c] } else { values[c * n + k] };
+                    let value = if values.len() == width { values[c] } else { values[c * n + k] };
+                    out[first + c] = value.clamp(-GREATEST, GREATEST);
                 }
             }
         }

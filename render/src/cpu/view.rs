@@ -215,10 +215,13 @@ impl<'a> View<'a> {
     /// opacity.
     fn light_through(&self, from: Vec3, to: Vec3) -> [f32; 3] {
         let length = (to - from).length();
-        let dir = (to - from) / length;
+        self.open_along(from, (to - from) / length, length * BEFORE_END)
+    }
+
+    /// The same along a direction within a length.
+    fn open_along(&self, from: Vec3, dir: Vec3, length: f32) -> [f32; 3] {
         let mut open = [1.0f32; 3];
-        for (distance, item) in
-            self.rays.layers(self.scene, self.item, from, dir, length * BEFORE_END, self.bias, |t| self.step(t))
+        for (distance, item) in self.rays.layers(self.scene, self.item, from, dir, length, self.bias, |t| self.step(t))
         {
             let opacity = self.opacity_at(item, from, dir, distance);
             (0..3).for_each(|c| open[c] *= (1.0 - opacity[c]).clamp(0.0, 1.0));
@@ -379,6 +382,10 @@ impl sl::machine::Scene for View<'_> {
         segments.iter().zip(light).for_each(|(s, light)| *light = self.light_along(s.from.into(), s.to.into()));
     }
 
+    fn map_number(&self, how: Lookup, name: &str) -> u32 {
+        if how == Lookup::Shadow || name.is_empty() { 0 } else { self.scene.textures.number(name) }
+    }
+
     fn print(&self, text: &str) {
         self.scene.print(text);
     }
@@ -407,10 +414,15 @@ impl sl::machine::Scene for View<'_> {
         }
     }
 
-    fn meets(&self, rays: &[Ray], met: &mut [bool]) {
-        for (ray, met) in rays.iter().zip(met) {
+    fn hidden(&self, rays: &[Ray], hidden: &mut [f32]) {
+        for (ray, hidden) in rays.iter().zip(hidden) {
             let dir = Vec3::from(ray.direction);
-            *met = self.rays.meets(self.item, self.start(ray.from.into(), dir), dir, self.bias);
+            let from = self.start(ray.from.into(), dir);
+            let meets = self.rays.meets(self.item, from, dir, self.bias);
+            *hidden = match meets && self.rays.any_translucent() {
+                true => 1.0 - self.open_along(from, dir, f32::INFINITY).iter().sum::<f32>() / 3.0,
+                false => meets as u8 as f32,
+            };
         }
     }
 
@@ -468,6 +480,9 @@ impl sl::machine::Scene for View<'_> {
                 let shaded = self.shade(of_item[0].0, &hits, many);
                 for ((item, ray, hit), light) in of_item.iter().zip(shaded) {
                     let path = &mut paths[*ray];
+                    // `Points` are disks before the ray.
+                    let is_left = self.scene.leaves_particle(*item, hit.from + hit.dir * hit.distance, hit.dir);
+                    let light = if is_left { [[0.0; 3]; 2] } else { light };
                     let [ci, oi] = self.through_volume(path, *item, hit, light);
                     (path.passed, path.at) = (self.scene.attributes(*item), hit.distance);
                     (0..3).for_each(|c| colors[*ray][c] += path.open[c] * ci[c]);

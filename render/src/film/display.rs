@@ -10,7 +10,8 @@ use std::collections::HashMap;
 /// space; `id`, the id of the primitive or instance, from 1; `motion`, the displacement on the raster while the shutter is open,
 /// pixels to the right and down.
 ///
-/// Colours are filtered and composited like `Ci`. Other values are means over the surfaces that cover the pixel and are not behind
+/// Colours are filtered and composited like `Ci`: `Ci` and `Oi` as the shader leaves them, which are by the opacity already, and others,
+/// values of a surface, by its opacity, so that a surface that is not seen adds nothing. Other values are means over the surfaces that cover the pixel and are not behind
 /// a surface more than half opaque. `z` is the minimum in the pixel, infinity where no surface is; `id` is that of the sample
 /// nearest the pixel's centre, 0 where no surface is.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +23,11 @@ pub struct Aov {
 }
 
 impl Aov {
+    /// Whether it counts by the opacity of the surface.
+    pub fn is_weighted(&self) -> bool {
+        self.kind == Kind::Color && !matches!(self.name.as_str(), "Ci" | "Oi")
+    }
+
     /// Count of numbers in a value: 1 for a float, 3 for a colour, point, vector or normal.
     pub fn width(&self) -> usize {
         self.kind.width()

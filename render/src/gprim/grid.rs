@@ -85,3 +85,10 @@ pub struct Origin {
     pub u: [f32; 2],
     pub v: [f32; 2],
 }
+
+impl Origin {
+    /// Whether it reaches the edges of the patch: the least and the greatest u, the least and the greatest v.
+    pub fn rims(&self) -> [bool; 4] {
+        [self.u[0] == 0.0, self.u[1] == 1.0, self.v[0] == 0.0, self.v[1] == 1.0]
+    }
+}

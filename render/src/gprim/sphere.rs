@@ -96,9 +96,8 @@ pub fn dice(subject: &Subject<'_>, scratch: &mut Scratch, queue: &mut Queue, gri
         n,
     };
     let a = view.attributes;
-    // Its back is seen where its front lets light through, is cut away, or is its inside and not there.
-    let shows_back = !a.stays_opaque()
-        || view.attached.opacity.is_some()
+    // Its back is seen where its front lets light through, is cut away, or is its inside and not there. Of `Points` it is not there.
+    let shows_back = !view.particle && (!a.stays_opaque() || view.attached.opacity.is_some())
         || a.solid.is_some()
         || camera.clips
         || (a.reversed && !a.two_sided);

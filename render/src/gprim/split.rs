@@ -119,6 +119,11 @@ impl Queue {
         self.waiting.len()
     }
 
+    /// The piece whose turn comes first.
+    pub fn first(&self) -> Option<Waiting> {
+        self.waiting.peek().copied()
+    }
+
     /// The least depth of the pieces that wait.
     pub fn least_depth(&self) -> Option<f32> {
         self.waiting.peek().map(|w| w.z)

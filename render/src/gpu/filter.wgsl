@@ -6,31 +6,13 @@
 // in   params   [12]                 first pixel's column and row; width and height; strata along x and y; margins along x and y; half
 //                                    widths along x and y, as bits; values along x; 1 if it is a box of a pixel, 2 if it is round
 // Twin: cpu/samples/pixels.rs
+#import filter_weight
 
 @group(0) @binding(0) var<storage, read> color: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read> offsets: array<vec2<f32>>;
 @group(0) @binding(2) var<storage, read> table: array<f32>;
 @group(0) @binding(3) var<storage, read_write> pixels: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read> params: array<u32>;
-
-fn along(axis: u32, x: f32) -> f32 {
-    let at = abs(x);
-    if at >= bitcast<f32>(params[8u + axis]) {
-        return 0.0;
-    }
-    return table[select(0u, params[10], axis == 1u) + u32(at * 256.0)];
-}
-
-fn weight(d: vec2<f32>) -> f32 {
-    if params[11] == 1u {
-        return 1.0;
-    }
-    if params[11] == 2u {
-        let ratio = bitcast<f32>(params[8]) / bitcast<f32>(params[9]);
-        return along(0u, sqrt(d.x * d.x + d.y * d.y * ratio * ratio));
-    }
-    return along(0u, d.x) * along(1u, d.y);
-}
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {

@@ -4,7 +4,9 @@
 use crate::cpu::displace::{displace, face_eye};
 use crate::cpu::frame::Frame;
 use crate::cpu::raster::Raster;
+use crate::cpu::samples::BLOCK;
 use crate::cpu::samples::cull::blocks_of;
+use crate::film::display::place_of;
 use crate::gprim::bound::raster_bound;
 use crate::gprim::dice::Dicer;
 use crate::gprim::grid::{Grid, Sink, Subject};
@@ -16,9 +18,6 @@ use crate::stats::Stats;
 use rayon::prelude::*;
 use sl::machine::{Machine, Points};
 use std::cmp::Ordering;
-
-/// Items, and pieces of items, that are diced at a time.
-const ROUND: usize = 1024;
 
 /// A grid on the raster, some of whose micropolygons may be visible.
 pub struct Diced {
@@ -36,6 +35,19 @@ pub struct Diced {
     pub reach: f32,
     /// Its least depth.
     pub z: f32,
+    /// The times at which it is shaded again, as its colour or opacity moves.
+    pub fades: Vec<f32>,
+    /// Whether its first and last points along u and along v are edges of the primitive.
+    pub rims: [bool; 4],
+    /// How far its points move on the raster, if a display takes that.
+    pub motion: Vec<[f32; 2]>,
+}
+
+impl Diced {
+    /// Count of its points, and of these as shaded again.
+    pub fn n_shaded(&self) -> usize {
+        self.points.n() * (1 + self.fades.len())
+    }
 }
 
 /// The part of the raster that is drawn, and how deep blocks of its pixels are.
@@ -46,6 +58,8 @@ pub struct Window {
     pub size: [usize; 2],
     /// The greatest depth of the samples of each block; none before the first wave.
     pub blocks: Vec<f32>,
+    /// The pixels that are wanted, from the first one on: the first, and the one after the last.
+    pub part: [[usize; 2]; 2],
 }
 
 impl Window {
@@ -53,12 +67,15 @@ impl Window {
     fn shows(&self, bound: &RasterBound) -> bool {
         let (min, max) = (bound.min.to_array(), bound.max.to_array());
         let [left, top] = self.corner.map(|x| x as f32);
-        let [width, height] = self.size.map(|n| n as f32);
-        if !(max[0] >= left && max[1] >= top && min[0] <= left + width && min[1] <= top + height) {
+        let [[x0, y0], [x1, y1]] = self.part.map(|at| [left + at[0] as f32, top + at[1] as f32]);
+        if !(max[0] >= x0 && max[1] >= y0 && min[0] <= x1 && min[1] <= y1) {
             return false;
         }
         let Some(([x0, x1], [y0, y1])) = blocks_of([left, top], self.size, min, max) else { return false };
-        let columns = self.size[0].div_ceil(crate::cpu::samples::BLOCK);
+        let columns = self.size[0].div_ceil(BLOCK);
+        let [first, end] = self.part;
+        let [x0, y0] = [x0.max(first[0] / BLOCK), y0.max(first[1] / BLOCK)];
+        let [x1, y1] = [x1.min((end[0] - 1) / BLOCK), y1.min((end[1] - 1) / BLOCK)];
         let mut all = (y0..=y1).flat_map(|y| (x0..=x1).map(move |x| y * columns + x));
         self.blocks.is_empty() || all.any(|block| self.blocks[block] >= bound.z)
     }
@@ -99,44 +116,66 @@ pub struct Front<'a> {
     frame: &'a Frame<'a>,
     items: std::iter::Peekable<std::vec::IntoIter<(f32, Item)>>,
     queue: Queue,
+    /// Grids that were diced before others whose turn is earlier.
+    early: Vec<(Turn, Diced)>,
+    /// Items, and pieces of items, that are diced at a time.
+    round: usize,
 }
 
 impl<'a> Front<'a> {
-    /// Of items with their least depths, the nearest first.
-    pub fn new(frame: &'a Frame<'a>, items: Vec<(f32, Item)>) -> Front<'a> {
-        Front { frame, items: items.into_iter().peekable(), queue: Queue::default() }
+    /// Of items with their least depths, the nearest first; so many of them, or of their pieces, are diced at a time.
+    pub fn new(frame: &'a Frame<'a>, items: Vec<(f32, Item)>, round: usize) -> Front<'a> {
+        Front { frame, items: items.into_iter().peekable(), queue: Queue::default(), early: vec![], round }
     }
 
-    /// Dice what comes next, until there are about so many points; nothing if all is diced. The grids are in the order of their turns: of what
-    /// is equally deep, the first is visible.
+    /// Dice what comes next, until there are about so many points; nothing if all is diced. The grids are in the order of their turns, those of
+    /// later waves after those of earlier ones: of what is equally deep, the first is visible, however much is diced at a time.
     pub fn wave(&mut self, window: &Window, n_points: usize, stats: &mut Stats) -> Vec<Diced> {
-        let (mut grids, mut n) = (vec![], 0);
-        while n < n_points {
-            let turns = self.turns();
-            if turns.is_empty() {
-                break;
+        loop {
+            self.early.sort_by(|a, b| a.0.cmp(&b.0));
+            let next = self.next();
+            let end = match next {
+                Some(next) => self.early.partition_point(|(turn, _)| turn.cmp(&next).is_lt()),
+                None => self.early.len(),
+            };
+            let count = |some: &[(Turn, Diced)]| some.iter().map(|(_, grid)| grid.points.n()).sum::<usize>();
+            if count(&self.early[..end]) >= n_points || next.is_none() {
+                let early = self.early.split_off(end);
+                return std::mem::replace(&mut self.early, early).into_iter().map(|(_, grid)| grid).collect();
             }
-            let frame = self.frame;
-            let diced: Vec<(Vec<Diced>, Vec<Waiting>, Stats)> = turns
-                .par_iter()
-                .with_min_len(4)
-                .map_init(Hand::default, |hand, turn| hand.dice(frame, window, *turn))
-                .collect();
-            for (turn, (own, waiting, of_turn)) in turns.into_iter().zip(diced) {
-                n += own.iter().map(|grid| grid.points.n()).sum::<usize>();
-                grids.extend(own.into_iter().map(|grid| (turn, grid)));
-                self.queue.extend(waiting);
-                *stats = stats.add(of_turn);
-            }
+            // Where there is enough that waits for what is nearer, nothing is diced that is farther: it may be hidden.
+            let last = self.early.last().map(|(turn, _)| *turn).filter(|_| count(&self.early) >= n_points);
+            self.round(window, last, stats);
         }
-        grids.sort_by(|a: &(Turn, Diced), b| a.0.cmp(&b.0));
-        grids.into_iter().map(|(_, grid)| grid).collect()
     }
 
-    /// The next items and pieces, in the order of their depths.
-    fn turns(&mut self) -> Vec<Turn> {
+    /// Dice some items and pieces, those up to a turn if it is given.
+    fn round(&mut self, window: &Window, until: Option<Turn>, stats: &mut Stats) {
+        let (turns, frame) = (self.turns(until), self.frame);
+        let diced: Vec<(Vec<Diced>, Vec<Waiting>, Stats)> = turns
+            .par_iter()
+            .with_min_len(4)
+            .map_init(Hand::default, |hand, turn| hand.dice(frame, window, *turn))
+            .collect();
+        for (turn, (own, waiting, of_turn)) in turns.iter().zip(diced) {
+            self.early.extend(own.into_iter().map(|grid| (*turn, grid)));
+            self.queue.extend(waiting);
+            *stats = stats.add(of_turn);
+        }
+    }
+
+    /// What is diced next.
+    fn next(&mut self) -> Option<Turn> {
+        let item = self.items.peek().map(|(z, item)| Turn::Item(*z, *item));
+        let piece = self.queue.first().map(Turn::Piece);
+        [item, piece].into_iter().flatten().min_by(Turn::cmp)
+    }
+
+    /// The next items and pieces, in the order of their depths, those up to a turn if it is given.
+    fn turns(&mut self, until: Option<Turn>) -> Vec<Turn> {
         let mut turns = vec![];
-        while turns.len() < ROUND {
+        let comes = |next: &Turn| until.is_none_or(|until| next.cmp(&until).is_le());
+        while turns.len() < self.round && self.next().is_some_and(|next| comes(&next)) {
             let piece = self.queue.pop_before(self.items.peek()).map(Turn::Piece);
             let next = piece.or_else(|| self.items.next().map(|(z, item)| Turn::Item(z, item)));
             let Some(turn) = next else { break };
@@ -205,6 +244,8 @@ impl Sink for Taken<'_> {
             return;
         }
         self.stats.micropolygons += self.raster.micropolygons.len() as u64;
+        let is_moved = place_of(&self.frame.aovs, "motion").is_some();
+        let motion = if is_moved { self.raster.motion().collect() } else { vec![] };
         self.diced.push(Diced {
             item,
             points: std::mem::take(&mut grid.points),
@@ -213,6 +254,9 @@ impl Sink for Taken<'_> {
             micropolygons: std::mem::take(&mut self.raster.micropolygons),
             reach: grid.reach,
             z: bound.z,
+            fades: view.attributes.fade_times(),
+            rims: grid.origin.map_or([false; 4], |part| part.rims()),
+            motion,
         });
     }
 }

@@ -12,12 +12,27 @@ const PARTS: &[Part<'static>] = &[
     ("mixed", include_str!("mixed.wgsl")),
     ("blur", include_str!("blur.wgsl")),
     ("blur_sampling", include_str!("blur_sampling.wgsl")),
+    ("weights", include_str!("weights.wgsl")),
+    ("blur_weights", include_str!("blur_weights.wgsl")),
+    ("want", include_str!("want.wgsl")),
+    ("within", include_str!("within.wgsl")),
+    ("layered", include_str!("layered.wgsl")),
+    ("layer_takes", include_str!("layer_takes.wgsl")),
+    ("layer_lists", include_str!("layer_lists.wgsl")),
+    ("layer_repeats", include_str!("layer_repeats.wgsl")),
+    ("join", include_str!("join.wgsl")),
+    ("compose", include_str!("compose.wgsl")),
+    ("no_outputs", include_str!("no_outputs.wgsl")),
+    ("layer_outputs", include_str!("layer_outputs.wgsl")),
+    ("seen_outputs", include_str!("seen_outputs.wgsl")),
+    ("limited", include_str!("limited.wgsl")),
+    ("filter_weight", include_str!("filter_weight.wgsl")),
 ];
 
-/// A kernel by the stem of its file.
+/// Kernels by the stems of their files.
 macro_rules! kernels {
-    ($device:ident $kernels:ident: $($name:ident),*) => {
-        FrameKernels { $($name: $kernels.get(
+    ($struct:ident, $device:ident $kernels:ident: $($name:ident),*) => {
+        $struct { $($name: $kernels.get(
             $device,
             stringify!($name),
             include_str!(concat!(stringify!($name), ".wgsl")),
@@ -50,9 +65,57 @@ impl FrameKernels {
     /// Those of [`Kernels::get`].
     pub fn new(device: &Device, kernels: &Kernels) -> Result<FrameKernels, GpuError> {
         Ok(
-            kernels!(device kernels: clear_samples, sample_depth, uncover, sample_id, block_depth, visible_points, point_colors, relay,
+            kernels!(FrameKernels, device kernels: clear_samples, sample_depth, uncover, sample_id, block_depth, visible_points, point_colors, relay,
             sample_colors, blur_depth, blur_id, blur_colors, filter),
         )
+    }
+}
+
+/// The kernels of layers, compiled for the first frame that has some.
+pub struct LayerKernels {
+    pub layer_count: Kernel,
+    pub layer_fill: Kernel,
+    pub blur_layer_count: Kernel,
+    pub blur_layer_fill: Kernel,
+    pub layer_total: Kernel,
+    pub layer_sort: Kernel,
+    pub layer_points: Kernel,
+    pub layer_join: Kernel,
+    pub blur_layer_join: Kernel,
+    pub layer_colors: Kernel,
+    pub layer_colors_outputs: Kernel,
+    pub blur_layer_colors: Kernel,
+    pub blur_layer_colors_outputs: Kernel,
+}
+
+impl LayerKernels {
+    /// Compile them.
+    ///
+    /// # Errors
+    /// Those of [`Kernels::get`].
+    pub fn new(device: &Device, kernels: &Kernels) -> Result<LayerKernels, GpuError> {
+        Ok(
+            kernels!(LayerKernels, device kernels: layer_count, layer_fill, blur_layer_count, blur_layer_fill, layer_total, layer_sort,
+            layer_points, layer_join, blur_layer_join, layer_colors, layer_colors_outputs, blur_layer_colors, blur_layer_colors_outputs),
+        )
+    }
+}
+
+/// The kernels of what displays take besides colours, compiled for the first frame whose displays do.
+pub struct OutputKernels {
+    pub point_outputs: Kernel,
+    pub sample_outputs: Kernel,
+    pub blur_outputs: Kernel,
+    pub filter_outputs: Kernel,
+}
+
+impl OutputKernels {
+    /// Compile them.
+    ///
+    /// # Errors
+    /// Those of [`Kernels::get`].
+    pub fn new(device: &Device, kernels: &Kernels) -> Result<OutputKernels, GpuError> {
+        Ok(kernels!(OutputKernels, device kernels: point_outputs, sample_outputs, blur_outputs, filter_outputs))
     }
 }
 

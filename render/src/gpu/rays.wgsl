@@ -1,10 +1,10 @@
 // Whether light gets from one point to another, and what a ray meets first.
 // Nodes are two rows, in the order of a walk: a corner and the next node that is not below; the other corner and, of a leaf, 8 times its first
 // occluder and their count, 0 of others. Occluders are four:
-// kind and primitive; of a sphere, its middle and radius; of an ellipsoid, the rows of the matrix that makes it the unit sphere; of a
+// kind and primitive, and last the row of what lets a part of light through, else 0; of a sphere, its middle and radius; of an ellipsoid, the rows of the matrix that makes it the unit sphere; of a
 // triangle, a corner and two edges, and after the primitive how near the start of a ray it may be in its own way. Kinds: 0 sphere, 1 ellipsoid,
-// 2 triangle of a flat patch, 3 triangle of a curved one.
-// Twin: cpu/bvh.rs
+// 2 triangle of a flat patch, 3 triangle of a curved one, 4 triangle of a displaced surface, which is met as it is seen.
+// Twin: cpu/bvh.rs, cpu/mesh.rs
 
 // Not 0, of the same sign.
 fn not_zero(x: f32) -> f32 {
@@ -62,11 +62,19 @@ fn near_start(head: vec4<u32>, is_own: bool, ab: vec3<f32>, ac: vec3<f32>, start
     return max(select(min(near.x, 1e-5 * size + 4e-6 * far), near.y, is_own), room);
 }
 
+// The same of a triangle of any kind: of what is displaced only rounding leaves room.
+fn near_triangle(head: vec4<u32>, is_own: bool, ab: vec3<f32>, ac: vec3<f32>, start: vec3<f32>, near: vec2<f32>) -> f32 {
+    if head.x == 4u {
+        return bitcast<f32>(head.z);
+    }
+    return near_start(head, is_own, ab, ac, start, near);
+}
+
 fn stops(start: vec3<f32>, way: vec3<f32>, far: f32, at: u32, own: u32, near: vec2<f32>) -> bool {
     let head = world[at];
     let is_own = head.y == own;
-    // Neither spheres nor what is flat shadow themselves.
-    if is_own && head.x < 3u {
+    // Neither spheres nor what is flat shadow themselves, and what is translucent stops nothing by itself.
+    if (is_own && head.x < 3u) || head.w != 0u {
         return false;
     }
     let a = world_row(at + 1u);
@@ -79,7 +87,7 @@ fn stops(start: vec3<f32>, way: vec3<f32>, far: f32, at: u32, own: u32, near: ve
         return stops_ellipsoid(start, way, far, a, b, c);
     }
     let t = meet_triangle(start, way, a.xyz, b.xyz, c.xyz, head.x == 2u);
-    return t < far && t > near_start(head, is_own, b.xyz, c.xyz, start, near);
+    return t < far && t > near_triangle(head, is_own, b.xyz, c.xyz, start, near);
 }
 
 // Whether a ray meets a box within a length.
@@ -133,9 +141,9 @@ fn root(a: f32, b: f32, c: f32, near: f32) -> f32 {
     return select(-1.0, select(select(-1.0, second, second > near), first, first > near), disc > 0.0);
 }
 
-// How far along a ray from a surface an occluder is met; negative if it is not. `near` says how near the start a surface does not count,
-// others and its own.
-fn distance_to(start: vec3<f32>, way: vec3<f32>, at: u32, own: u32, near: vec2<f32>) -> f32 {
+// How far along a ray from a surface an occluder is met, beyond `least`; negative if it is not. `near` says how near the start a surface does
+// not count, others and its own.
+fn distance_beyond(start: vec3<f32>, way: vec3<f32>, at: u32, own: u32, near: vec2<f32>, least: f32) -> f32 {
     let head = world[at];
     let is_own = head.y == own;
     // Of a displaced sphere nobody knows where it was met, and what is flat does not meet itself.
@@ -146,17 +154,17 @@ fn distance_to(start: vec3<f32>, way: vec3<f32>, at: u32, own: u32, near: vec2<f
     if head.x == 0u {
         let o = start - a.xyz;
         let room = select(0.0, min(near.y, 0.5 * a.w), is_own);
-        return root(1.0, dot(o, way), dot(o, o) - a.w * a.w, room);
+        return root(1.0, dot(o, way), dot(o, o) - a.w * a.w, max(room, least));
     }
     let b = world_row(at + 2u);
     let c = world_row(at + 3u);
     if head.x == 1u {
         let o = vec3<f32>(dot(a.xyz, start) + a.w, dot(b.xyz, start) + b.w, dot(c.xyz, start) + c.w);
         let d = vec3<f32>(dot(a.xyz, way), dot(b.xyz, way), dot(c.xyz, way));
-        return root(dot(d, d), dot(o, d), dot(o, o) - 1.0, select(0.0, near.y, is_own));
+        return root(dot(d, d), dot(o, d), dot(o, o) - 1.0, max(select(0.0, near.y, is_own), least));
     }
     let t = meet_triangle(start, way, a.xyz, b.xyz, c.xyz, head.x == 2u);
-    return select(-1.0, t, t > near_start(head, is_own, b.xyz, c.xyz, start, near));
+    return select(-1.0, t, t > max(near_triangle(head, is_own, b.xyz, c.xyz, start, near), least));
 }
 
 // How far along a ray from the surface that is shaded anything is met; negative if nothing is.
@@ -182,7 +190,7 @@ fn nearest(place: vec3<f32>, way: vec3<f32>) -> f32 {
         k += 1u;
         let last = (high.w >> 3u) + (high.w & 7u);
         for (var i = high.w >> 3u; i < last; i += 1u) {
-            let t = distance_to(start, way, head.y + 4u * i, own, near);
+            let t = distance_beyond(start, way, head.y + 4u * i, own, near, 0.0);
             far = select(far, t, t >= 0.0 && t < far);
         }
     }

@@ -1,8 +1,9 @@
-// What one shader has found becomes what the next is given: runs of numbers from the results of a kernel to the values of another.
+// What one shader has found, in the range of an image, becomes what the next is given: runs of numbers from the results of a kernel to the values of another.
 // in   runs     [n_runs]     first number among the results, first among the values, their number, 0
 // in   results  [n_results]
 // out  values   [n_values]
 // in   params   [1]          count of runs
+#import limited
 
 @group(0) @binding(0) var<storage, read> runs: array<vec4<u32>>;
 @group(0) @binding(1) var<storage, read> results: array<f32>;
@@ -17,6 +18,6 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let run = runs[at];
     for (var k = thread; k < run.z; k += 64u) {
-        values[run.y + k] = results[run.x + k];
+        values[run.y + k] = limited(results[run.x + k]);
     }
 }

@@ -10,9 +10,12 @@ use crate::film::bucket::{Bucket, buckets};
 use crate::film::image::Image;
 use crate::gpu::front::{Diced, Front, Window};
 use crate::gpu::kernels::FrameKernels;
+use crate::gpu::layers::Layers;
+use crate::gpu::limits::Limits;
+use crate::gpu::outputs::Outputs;
 use crate::gpu::refusal::Refusal;
 use crate::gpu::samples::Samples;
-use crate::gpu::shading::Shaders;
+use crate::gpu::shading::{Goal, Shaders};
 use crate::gpu::{supported, world};
 use crate::scene::camera::Camera;
 use crate::scene::options::Options;
@@ -24,23 +27,16 @@ use rayon::prelude::*;
 use sl::machine::{Machine, Points};
 use std::time::Instant;
 
-/// The most samples of a window.
-const WINDOW_SAMPLES: usize = 1 << 22;
-
 /// The most pixels along a window.
 const WINDOW_WIDTH: usize = 2048;
-
-/// Points of the first wave of a window, and of the largest, about.
-const WAVE: [usize; 2] = [1 << 17, 1 << 19];
-
-/// Points, at all moments, after which what is visible is shaded before more is diced.
-const MOST_POINTS: usize = 1 << 21;
 
 /// A device that draws images, with its kernels: what is compiled for an image serves the next.
 pub struct Renderer {
     device: Device,
     kernels: Kernels,
     own: FrameKernels,
+    /// How much of a frame is on the device at a time.
+    pub limits: Limits,
 }
 
 impl Renderer {
@@ -52,7 +48,7 @@ impl Renderer {
         let device = Device::open(choice)?;
         let kernels = Kernels::default();
         let own = FrameKernels::new(&device, &kernels)?;
-        Ok(Renderer { device, kernels, own })
+        Ok(Renderer { device, kernels, own, limits: Limits::default() })
     }
 
     /// The adapter.
@@ -63,6 +59,24 @@ impl Renderer {
     /// Give the device up, as [`Device::lose`] does.
     pub fn lose(&self) {
         self.device.lose();
+    }
+
+    /// Take no more than so many bytes of the device's memory for buffers: less of a frame is there at a time. A frame that does not fit all
+    /// the same is not drawn.
+    pub fn limit_memory(&mut self, bytes: u64) {
+        self.limits = Limits::within(bytes);
+        self.device.limit_memory(bytes);
+    }
+
+    /// The most triangles of displaced surfaces that rays may meet: those of half of what a kernel can bind, or of a quarter of the memory.
+    fn most_facets(&self) -> usize {
+        let Limits { facets, .. } = self.limits;
+        facets.min(self.device.adapter.max_binding as usize / (2 * world::FACET_BYTES))
+    }
+
+    /// The most bytes that buffers have taken together.
+    pub fn most_memory(&self) -> u64 {
+        self.device.most_memory()
     }
 
     /// Whether the device is lost or a command of it has failed, so that it draws nothing more.
@@ -95,33 +109,58 @@ impl Renderer {
         camera: Camera,
         progress: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<Drawn, Refusal> {
-        if let Some(why) = supported::refused(scene, options) {
+        if let Some(why) = supported::refused(scene) {
             return Err(Refusal::Unsupported(why));
         }
         self.device.check()?;
         let start = Instant::now();
         let frame = Frame::new(scene, options, camera);
-        let mut shaders = Shaders::new(&self.device, &self.kernels, &self.own)?;
-        let needs = shaders.find(&frame)?;
-        shaders.set_world(&world_of(&frame, needs)?)?;
+        let mut shaders = Shaders::new(&self.device, &self.kernels, &self.own, self.limits.values)?;
+        let layered: Vec<bool> = (0..scene.sources.len()).map(|k| is_layered(&frame, k)).collect();
+        let needs = shaders.find(&frame, &layered)?;
+        shaders.set_world(&world_of(&frame, needs, self.most_facets())?)?;
         let hierarchy = start.elapsed().as_secs_f64();
         let items = scene.sources.iter().map(|s| s.len() as u64).sum();
         let stats = Stats { items, seconds: Seconds { hierarchy, ..Seconds::default() }, ..Stats::default() };
-        let mut drawing = Drawing::new(self, &frame, shaders, stats);
+        let mut drawing = Drawing::new(self, &frame, shaders, layered, stats);
         drawing.windows(progress)?;
         drawing.finish()
     }
 }
 
 /// What kernels read of a scene, as far as they ask what stops light and what closes the sky.
-fn world_of(frame: &Frame<'_>, [light, sky]: [bool; 2]) -> Result<Vec<[u32; 4]>, Refusal> {
-    let plain = frame.rays.plain_surfaces();
-    if light && let Some(why) = supported::refused_rays(frame.scene, plain.is_some()) {
+fn world_of(frame: &Frame<'_>, [light, sky]: [bool; 2], most: usize) -> Result<Vec<[u32; 4]>, Refusal> {
+    let met = if light { Some(met_of(frame, most)?) } else { None };
+    let id = |item: Item| frame.scene.id_of(item) as u32;
+    let sky = sky.then(|| frame.rays.surroundings(frame.scene));
+    let maps = frame.scene.textures.numbered();
+    let too_large = |map| {
+        Refusal::Unsupported(format!(
+            "the map `{map}` is larger than textures may be in memory, which is not built for graphics devices"
+        ))
+    };
+    world::rows(frame.scene, met, sky, &maps, &id).map_err(too_large)
+}
+
+/// What a window of an image is drawn in.
+struct Room<'a> {
+    samples: Samples<'a>,
+    /// Layers, if the frame has some.
+    layers: Option<Layers<'a>>,
+    /// What displays take besides colours, if they do.
+    outputs: Option<Outputs>,
+}
+
+/// What rays of shaders meet, of which so many triangles may be displaced.
+fn met_of<'f>(frame: &'f Frame<'_>, most: usize) -> Result<world::Met<'f>, Refusal> {
+    let surfaces = frame.rays.open_surfaces();
+    if let Some(why) = supported::refused_rays(frame.scene, surfaces.is_some()) {
         return Err(Refusal::Unsupported(why));
     }
-    let id = |item: Item| (frame.first_ids[item.source as usize] + item.index as usize) as u32;
-    let sky = sky.then(|| frame.rays.surroundings(frame.scene));
-    Ok(world::rows(plain.filter(|_| light), sky, &id))
+    let (bvh, displaced) = surfaces.expect("refused without");
+    let many = "rays meet more displaced surfaces than fit, which is not built for graphics devices";
+    let facets = displaced.map_or(Some(vec![]), |displaced| displaced.all_facets(most));
+    Ok(world::Met { bvh, facets: facets.ok_or_else(|| Refusal::Unsupported(many.into()))? })
 }
 
 /// An image that is drawn.
@@ -129,17 +168,25 @@ struct Drawing<'a> {
     renderer: &'a Renderer,
     frame: &'a Frame<'a>,
     shaders: Shaders<'a>,
+    /// Whether what is of a source becomes layers.
+    layered: Vec<bool>,
     stats: Stats,
     image: Image,
     identities: Vec<u64>,
 }
 
 impl<'a> Drawing<'a> {
-    fn new(renderer: &'a Renderer, frame: &'a Frame<'a>, shaders: Shaders<'a>, stats: Stats) -> Drawing<'a> {
+    fn new(
+        renderer: &'a Renderer,
+        frame: &'a Frame<'a>,
+        shaders: Shaders<'a>,
+        layered: Vec<bool>,
+        stats: Stats,
+    ) -> Drawing<'a> {
         let options = frame.options;
-        let image = Image::new(options.width, options.height, vec![]);
+        let image = Image::new(options.width, options.height, frame.aovs.clone());
         let kept = if options.keep_ids { image.pixels.len() * per_pixel(frame) } else { 0 };
-        Drawing { renderer, frame, shaders, stats, image, identities: vec![0; kept] }
+        Drawing { renderer, frame, shaders, layered, stats, image, identities: vec![0; kept] }
     }
 
     /// The buckets that are drawn.
@@ -154,12 +201,18 @@ impl<'a> Drawing<'a> {
         let (frame, renderer) = (self.frame, self.renderer);
         let (width, height) = (frame.options.width, frame.options.height);
         let across = width.min(WINDOW_WIDTH);
-        let down = (WINDOW_SAMPLES / per_pixel(frame) / across).clamp(1, height);
-        let (columns, rows) = (width.div_ceil(across), height.div_ceil(down));
         let margin = frame.margin();
+        let wide = across + 2 * margin[0];
+        let down = (renderer.limits.samples / numbers_of_pixel(frame) / wide).saturating_sub(2 * margin[1]);
+        let down = down.clamp(1, height);
+        let (columns, rows) = (width.div_ceil(across), height.div_ceil(down));
         let [w, h] = [across + 2 * margin[0], down + 2 * margin[1]];
-        let n_blocks = w.div_ceil(BLOCK) * h.div_ceil(BLOCK);
-        let mut samples = Samples::new(&renderer.device, &renderer.own, frame, w * h, n_blocks)?;
+        let (n_blocks, n_samples) = (w.div_ceil(BLOCK) * h.div_ceil(BLOCK), w * h * per_pixel(frame));
+        let Renderer { device, kernels, own, limits } = renderer;
+        let has_layers = self.layered.iter().any(|is| *is);
+        let layers = has_layers.then(|| Layers::new(device, kernels, frame, n_samples, limits.layers)).transpose()?;
+        let outputs = Outputs::new(device, kernels, frame, n_samples)?;
+        let mut room = Room { samples: Samples::new(device, own, frame, w * h, n_blocks)?, layers, outputs };
         let start = Instant::now();
         let mut lists = items_of_buckets(frame, [across, down], [columns, rows]);
         self.stats.seconds.bound = start.elapsed().as_secs_f64();
@@ -169,7 +222,7 @@ impl<'a> Drawing<'a> {
             let size = [across.min(width - x), down.min(height - y)];
             let meets = |b: &Bucket| b.x < x + size[0] && b.x + b.width > x && b.y < y + size[1] && b.y + b.height > y;
             if own.iter().any(meets) && frame.scene.stopped().is_none() {
-                self.window(&mut samples, [x, y], size, std::mem::take(&mut lists[k]))?;
+                self.window(&mut room, [x, y], size, std::mem::take(&mut lists[k]))?;
             }
             progress(k + 1, columns * rows);
         }
@@ -179,7 +232,7 @@ impl<'a> Drawing<'a> {
     /// Draw the part of the image of a size from a pixel on.
     fn window(
         &mut self,
-        samples: &mut Samples<'_>,
+        room: &mut Room<'_>,
         [x, y]: [usize; 2],
         size: [usize; 2],
         items: Vec<(f32, Item)>,
@@ -187,59 +240,166 @@ impl<'a> Drawing<'a> {
         let (frame, margin) = (self.frame, self.frame.margin());
         let corner = [x as i64 - margin[0] as i64, y as i64 - margin[1] as i64];
         let around = [size[0] + 2 * margin[0], size[1] + 2 * margin[1]];
-        let mut window = Window { corner, size: around, blocks: vec![] };
-        samples.start(&window)?;
-        let mut front = Front::new(frame, items);
-        let (mut held, mut wave) = (vec![], WAVE[0]);
-        loop {
-            let grids = front.wave(&window, wave, &mut self.stats);
-            if grids.is_empty() {
-                break;
-            }
-            let start = Instant::now();
-            samples.sample(frame, &grids, &mut window)?;
-            self.stats.seconds.sample += start.elapsed().as_secs_f64();
-            held.extend(grids);
-            if samples.n_places() >= MOST_POINTS {
-                self.flush(samples, &window, &mut held)?;
-            }
-            wave = (2 * wave).min(WAVE[1]);
+        let mut window = Window { corner, size: around, blocks: vec![], part: [[0; 2], around] };
+        room.samples.start(&window)?;
+        if let Some(outputs) = &room.outputs {
+            outputs.start(&self.renderer.device)?;
         }
-        self.flush(samples, &window, &mut held)?;
+        let (later, items) = items.into_iter().partition(|(_, item)| self.layered[item.source as usize]);
+        self.opaque(room, &mut window, items)?;
+        self.layers(room, &mut window, later)?;
         let start = Instant::now();
-        let pixels = samples.pixels(frame)?;
+        let pixels = room.samples.pixels(frame)?;
         for (row, own) in pixels.chunks_exact(size[0]).enumerate() {
             self.image.pixels[(y + row) * self.image.width + x..][..size[0]].copy_from_slice(own);
+        }
+        if let Some(outputs) = &room.outputs {
+            let (pixels, wide) = (outputs.pixels(&room.samples, frame)?, size[0] * frame.depth);
+            for (row, own) in pixels.chunks_exact(wide).enumerate() {
+                let at = (y + row) * self.image.width + x;
+                self.image.extra[at * frame.depth..][..wide].copy_from_slice(own);
+            }
         }
         self.stats.seconds.filter += start.elapsed().as_secs_f64();
         Ok(())
     }
 
+    /// Draw what is opaque in a window.
+    fn opaque(&mut self, room: &mut Room<'_>, window: &mut Window, items: Vec<(f32, Item)>) -> Result<(), Refusal> {
+        let frame = self.frame;
+        let limits = self.renderer.limits;
+        let mut front = Front::new(frame, items, limits.round);
+        let (mut held, mut wave) = (vec![], limits.wave[0]);
+        loop {
+            let grids = front.wave(window, wave, &mut self.stats);
+            if grids.is_empty() {
+                break;
+            }
+            let start = Instant::now();
+            room.samples.sample(frame, &grids, window)?;
+            self.stats.seconds.sample += start.elapsed().as_secs_f64();
+            held.extend(grids);
+            if room.samples.n_places() >= limits.points {
+                self.flush(room, window, &mut held)?;
+            }
+            wave = (2 * wave).min(limits.wave[1]);
+        }
+        self.flush(room, window, &mut held)
+    }
+
     /// Shade the visible points of grids that are sampled, and give the samples their colours.
-    fn flush(&mut self, samples: &mut Samples<'_>, window: &Window, held: &mut Vec<Diced>) -> Result<(), Refusal> {
+    fn flush(&mut self, room: &mut Room<'_>, window: &Window, held: &mut Vec<Diced>) -> Result<(), Refusal> {
         if held.is_empty() {
             return Ok(());
         }
+        let Room { samples, outputs, .. } = room;
         let start = Instant::now();
         if self.frame.options.keep_ids {
-            self.note_identities(&samples.visible()?, window, held);
+            self.note_identities(&samples.visible()?, 0, window, held);
         }
         let wanted = samples.visible_points()?;
+        if let Some(outputs) = &mut *outputs {
+            outputs.reserve(&self.renderer.device, samples.n_points)?;
+        }
         let colors = samples.colors()?.clone();
-        self.shaders.shade(self.frame, held, &wanted, &colors, &mut self.stats)?;
+        let goal = Goal { colors: &colors, opacities: None, outputs: outputs.as_ref() };
+        self.shaders.shade(self.frame, held, &wanted, goal, &mut self.stats)?;
+        if let Some(outputs) = &*outputs {
+            outputs.set(samples)?;
+        }
         samples.set_colors()?;
         held.clear();
         self.stats.seconds.shade += start.elapsed().as_secs_f64();
         Ok(())
     }
 
-    /// Note what the samples of a window see.
-    fn note_identities(&mut self, visible: &[u32], window: &Window, held: &[Diced]) {
+    /// Draw the layers of a window, over what is opaque: all at once, or where they are too many, one part of the pixels after another.
+    fn layers(&mut self, room: &mut Room<'_>, window: &mut Window, items: Vec<(f32, Item)>) -> Result<(), Refusal> {
+        if items.is_empty() {
+            return Ok(());
+        }
+        let mut parts = vec![Part { first: 0, end: window.size[0] * window.size[1] }];
+        while let Some(part) = parts.pop() {
+            window.part = part.rectangle(window.size[0]);
+            let stats = self.stats;
+            match self.dice_layers(room, window, &items, part.end - part.first > 1)? {
+                Some(mut held) => self.compose(room, window, part, &mut held)?,
+                None => {
+                    self.stats = stats;
+                    let [first, second] = part.halves(window.size[0]);
+                    parts.extend([second, first]);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Dice what becomes layers in the part of a window; none if there is too much of it, and it `can_part`.
+    fn dice_layers(
+        &mut self,
+        room: &mut Room<'_>,
+        window: &Window,
+        items: &[(f32, Item)],
+        can_part: bool,
+    ) -> Result<Option<Vec<Diced>>, Refusal> {
+        let Room { samples, layers: Some(layers), .. } = room else { return Ok(Some(vec![])) };
+        let limits = self.renderer.limits;
+        let mut front = Front::new(self.frame, items.to_vec(), limits.round);
+        let mut held: Vec<Diced> = vec![];
+        loop {
+            let grids = front.wave(window, limits.wave[1], &mut self.stats);
+            if grids.is_empty() {
+                return Ok(Some(held));
+            }
+            layers.add(self.frame, samples, &grids)?;
+            held.extend(grids);
+            if can_part && samples.n_places().max(samples.n_points) >= limits.points {
+                samples.forget();
+                layers.forget();
+                return Ok(None);
+            }
+        }
+    }
+
+    /// Find the layers of the samples of a part of a window, shade their points, and lay them over what is opaque.
+    fn compose(&mut self, room: &mut Room<'_>, window: &Window, part: Part, held: &mut [Diced]) -> Result<(), Refusal> {
+        let Room { samples, layers: Some(layers), outputs } = room else { return Ok(()) };
+        if held.is_empty() {
+            return Ok(());
+        }
+        let start = Instant::now();
+        let [_, n] = samples.n();
+        let (ranges, wanted) = layers.find(samples, [part.first * n, part.end * n])?;
+        self.stats.seconds.sample += start.elapsed().as_secs_f64();
+        if ranges.is_empty() {
+            return layers.compose(samples, &ranges, None).map_err(Refusal::from);
+        }
+        let start = Instant::now();
+        if let Some(outputs) = &mut *outputs {
+            outputs.reserve(&self.renderer.device, samples.n_points)?;
+        }
+        let colors = samples.colors()?.clone();
+        let opacities = layers.opacities(samples.n_points)?.clone();
+        let goal = Goal { colors: &colors, opacities: Some(&opacities), outputs: outputs.as_ref() };
+        self.shaders.shade(self.frame, held, &wanted, goal, &mut self.stats)?;
+        layers.compose(samples, &ranges, outputs.as_mut())?;
+        if self.frame.options.keep_ids {
+            for range in &ranges {
+                let visible = samples.visible()?;
+                self.note_identities(&visible[..range.end], range.first, window, held);
+            }
+        }
+        self.stats.seconds.shade += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// Note what the samples of a window see, from one on.
+    fn note_identities(&mut self, visible: &[u32], first: usize, window: &Window, held: &[Diced]) {
         let n = per_pixel(self.frame);
         let starts: Vec<usize> =
             held.iter().scan(0, |next, grid| Some(std::mem::replace(next, *next + grid.micropolygons.len()))).collect();
         let (width, height) = (self.image.width as i64, self.image.height as i64);
-        for (k, id) in visible.iter().enumerate().filter(|(_, id)| **id != u32::MAX) {
+        for (k, id) in visible.iter().enumerate().skip(first).filter(|(_, id)| **id != u32::MAX) {
             let (pixel, micropolygon) = (k / n, (*id / 2) as usize);
             let x = (pixel % window.size[0]) as i64 + window.corner[0];
             let y = (pixel / window.size[0]) as i64 + window.corner[1];
@@ -259,7 +419,9 @@ impl<'a> Drawing<'a> {
     fn finish(mut self) -> Result<Drawn, Refusal> {
         let (options, own) = (self.frame.options, self.buckets());
         let width = self.image.width;
-        let mut image = Image::new(width, self.image.height, vec![]);
+        let mut image = Image::new(width, self.image.height, self.frame.aovs.clone());
+        let depth = self.frame.depth;
+        self.shaders.report(self.frame.scene)?;
         let start = Instant::now();
         let of_bucket = |bucket: &Bucket| {
             let rows = (bucket.y..bucket.y + bucket.height).map(|y| y * width + bucket.x);
@@ -276,12 +438,54 @@ impl<'a> Drawing<'a> {
         let finished: Vec<Vec<[f32; 4]>> = own.par_iter().map(of_bucket).collect();
         for (bucket, pixels) in own.iter().zip(finished) {
             for (row, of_row) in pixels.chunks_exact(bucket.width).enumerate() {
-                image.pixels[(bucket.y + row) * width + bucket.x..][..bucket.width].copy_from_slice(of_row);
+                let (at, wide) = ((bucket.y + row) * width + bucket.x, bucket.width * depth);
+                image.pixels[at..][..bucket.width].copy_from_slice(of_row);
+                image.extra[at * depth..][..wide].copy_from_slice(&self.image.extra[at * depth..][..wide]);
             }
         }
         self.stats.seconds.filter += start.elapsed().as_secs_f64();
         Ok(Drawn { image, stats: self.stats, identities: self.identities })
     }
+}
+
+/// Some pixels of a window, row by row: several rows, or some of one.
+#[derive(Clone, Copy)]
+struct Part {
+    first: usize,
+    end: usize,
+}
+
+impl Part {
+    /// The first pixel, and the one after the last, of a window of a width.
+    fn rectangle(self, width: usize) -> [[usize; 2]; 2] {
+        let [x0, x1] = if self.is_wide(width) { [0, width] } else { [self.first % width, (self.end - 1) % width + 1] };
+        [[x0, self.first / width], [x1, (self.end - 1) / width + 1]]
+    }
+
+    fn is_wide(self, width: usize) -> bool {
+        self.end - self.first >= width
+    }
+
+    fn halves(self, width: usize) -> [Part; 2] {
+        let Part { first, end } = self;
+        let unit = if end - first > width { width } else { 1 };
+        let middle = first + (end - first) / unit / 2 * unit;
+        [Part { first, end: middle }, Part { first: middle, end }]
+    }
+}
+
+/// Whether what is of a source becomes layers, as on the processor: what is surely opaque, whole and always the same does not.
+fn is_layered(frame: &Frame<'_>, source: usize) -> bool {
+    let own = &frame.scene.sources[source];
+    if own.len() == 0 {
+        return false;
+    }
+    supported::is_translucent(own) || own.attributes.seen != [0.0, 1.0] || !frame.planes.is_empty()
+}
+
+/// Numbers of a pixel that take as much room as its samples and what displays take of these.
+fn numbers_of_pixel(frame: &Frame<'_>) -> usize {
+    per_pixel(frame) * (4 + frame.depth) / 4
 }
 
 /// Samples of a pixel.

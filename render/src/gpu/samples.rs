@@ -29,28 +29,28 @@ struct Blur {
 
 /// The samples of a part of the image.
 pub struct Samples<'a> {
-    device: &'a Device,
+    pub(super) device: &'a Device,
     kernels: &'a FrameKernels,
     strata: [usize; 2],
     n: usize,
     /// What kernels are told of the part.
-    head: [u32; 7],
-    offsets: Buffer<[f32; 2]>,
-    depth: Buffer<u32>,
+    pub(super) head: [u32; 7],
+    pub(super) offsets: Buffer<[f32; 2]>,
+    pub(super) depth: Buffer<u32>,
     before: Buffer<u32>,
-    visible: Buffer<u32>,
-    color: Buffer<[f32; 4]>,
+    pub(super) visible: Buffer<u32>,
+    pub(super) color: Buffer<[f32; 4]>,
     blocks: Buffer<u32>,
     /// Micropolygons that wait for their colours, and their points, at all moments if the image is blurred.
     points: Buffer<[f32; 4]>,
-    micropolygons: Buffer<[u32; 4]>,
-    n_points: usize,
+    pub(super) micropolygons: Buffer<[u32; 4]>,
+    pub(super) n_points: usize,
     n_places: usize,
-    n_micropolygons: usize,
+    pub(super) n_micropolygons: usize,
     /// What samples of a blurred image have besides.
     blur: Option<Blur>,
     /// Colours of the points.
-    colors: Buffer<[f32; 4]>,
+    pub(super) colors: Buffer<[f32; 4]>,
 }
 
 impl<'a> Samples<'a> {
@@ -107,7 +107,7 @@ impl<'a> Samples<'a> {
     }
 
     /// No micropolygons wait for their colours.
-    fn forget(&mut self) {
+    pub fn forget(&mut self) {
         (self.n_points, self.n_places, self.n_micropolygons) = (0, 0, 0);
         if let Some(blur) = &mut self.blur {
             blur.n = 0;
@@ -125,7 +125,7 @@ impl<'a> Samples<'a> {
     /// Those of [`Buffer::reserve`] and [`Device::check`].
     pub fn sample(&mut self, frame: &Frame<'_>, grids: &[Diced], window: &mut Window) -> Result<(), GpuError> {
         let first = self.n_micropolygons;
-        self.upload(frame, grids)?;
+        self.upload(frame, grids, &[])?;
         let n = self.n_micropolygons - first;
         let Samples { device, kernels, depth, before, visible, .. } = &*self;
         let (seen, params) = self.seen([first, n]);
@@ -152,7 +152,7 @@ impl<'a> Samples<'a> {
     }
 
     /// What kernels over micropolygons bind first, and what they are told: the part, and a first micropolygon and their count.
-    fn seen(&self, range: [usize; 2]) -> (Vec<Bound<'_>>, Vec<u32>) {
+    pub(super) fn seen(&self, range: [usize; 2]) -> (Vec<Bound<'_>>, Vec<u32>) {
         let mut bound = vec![self.points.bind(), self.micropolygons.bind(), self.offsets.bind()];
         let mut params: Vec<u32> = self.head.into_iter().chain(range.map(|n| n as u32)).collect();
         if let Some(blur) = &self.blur {
@@ -162,13 +162,18 @@ impl<'a> Samples<'a> {
         (bound, params)
     }
 
-    fn upload(&mut self, frame: &Frame<'_>, grids: &[Diced]) -> Result<(), GpuError> {
+    /// Add grids to those that wait for their colours; `rows` has a number of each that its micropolygons have besides, if they have any.
+    ///
+    /// # Errors
+    /// Those of [`Buffer::reserve`].
+    pub(super) fn upload(&mut self, frame: &Frame<'_>, grids: &[Diced], rows: &[u32]) -> Result<(), GpuError> {
         let (mut points, mut micropolygons, mut tracks) = (vec![], vec![], vec![]);
         let mut n_points = self.n_points;
         let first_track = self.blur.as_ref().map_or(0, |blur| blur.n);
-        for grid in grids {
+        for (k, grid) in grids.iter().enumerate() {
             let a = frame.scene.attributes(grid.item);
-            let flags = if a.smooth { SMOOTH } else { 0 } | if a.matte { MATTE } else { 0 };
+            let row = rows.get(k).copied().unwrap_or(0) << 2;
+            let flags = row | if a.smooth { SMOOTH } else { 0 } | if a.matte { MATTE } else { 0 };
             let (first, nu, track) = (n_points as u32, grid.points.nu as u32, (first_track + tracks.len()) as u32);
             if self.blur.is_some() {
                 let place = (self.n_places + points.len()) as u32;
@@ -177,7 +182,7 @@ impl<'a> Samples<'a> {
             }
             points.extend(grid.raster.iter().flatten().map(|[x, y, z]| [*x, *y, *z, 0.0]));
             micropolygons.extend(grid.micropolygons.iter().map(|k| [first + k, nu, flags, track]));
-            n_points += grid.points.n();
+            n_points += grid.n_shaded();
         }
         self.points.reserve(self.device, self.n_places + points.len())?;
         self.micropolygons.reserve(self.device, self.n_micropolygons + micropolygons.len())?;
@@ -194,6 +199,13 @@ impl<'a> Samples<'a> {
         Ok(())
     }
 
+    /// The same, and what kernels are told is as long without a lens.
+    pub(super) fn seen_at_length(&self, range: [usize; 2]) -> (Vec<Bound<'_>>, Vec<u32>) {
+        let (bound, mut params) = self.seen(range);
+        params.resize(self.head.len() + 6, 0);
+        (bound, params)
+    }
+
     /// Which points of the micropolygons that wait are visible, a bit each.
     ///
     /// # Errors
@@ -207,6 +219,16 @@ impl<'a> Samples<'a> {
         commands.dispatch(self.device, &self.kernels.visible_points, &bound, &[self.n as u32], work);
         commands.submit(self.device)?;
         wanted.read(self.device, n_words)
+    }
+
+    /// Samples of the window, in all and of a pixel.
+    pub fn n(&self) -> [usize; 2] {
+        [self.n, self.strata[0] * self.strata[1]]
+    }
+
+    /// Whether samples have times or places on a lens.
+    pub fn is_blurred(&self) -> bool {
+        self.blur.is_some()
     }
 
     /// The ids of what is visible at each sample, pixel after pixel: twice the micropolygon's number, and 1 more for its second triangle; all
@@ -250,20 +272,26 @@ impl<'a> Samples<'a> {
     /// # Errors
     /// Those of [`Buffer::zeros`] and [`Buffer::read`].
     pub fn pixels(&self, frame: &Frame<'_>) -> Result<Vec<[f32; 4]>, GpuError> {
-        let [x, y] = frame.filter.axes();
-        let margin = frame.margin().map(|n| n as u32);
-        let kind = if frame.filter.is_pixel() { 1 } else { 2 * x.kind.is_round() as u32 };
-        let table: Vec<f32> = x.table.iter().chain(&y.table).copied().collect();
-        let table = Buffer::of(self.device, "filter", &table)?;
-        let own = [margin[0], margin[1], x.half.to_bits(), y.half.to_bits(), x.table.len() as u32, kind];
-        let params: Vec<u32> = self.head[..6].iter().copied().chain(own).collect();
-        let n = ((self.head[2] - 2 * margin[0]) * (self.head[3] - 2 * margin[1])) as usize;
+        let (table, params, n) = self.filter(frame)?;
         let pixels = Buffer::zeros(self.device, "pixels", n)?;
         let mut commands = Commands::new();
         let bound = [self.color.bind(), self.offsets.bind(), table.bind(), pixels.bind()];
         commands.dispatch(self.device, &self.kernels.filter, &bound, &params, groups(n, 64));
         commands.submit(self.device)?;
         pixels.read(self.device, n)
+    }
+
+    /// The values of the pixel filter, what its kernels are told, and the count of pixels.
+    pub(super) fn filter(&self, frame: &Frame<'_>) -> Result<(Buffer<f32>, Vec<u32>, usize), GpuError> {
+        let [x, y] = frame.filter.axes();
+        let margin = frame.margin().map(|n| n as u32);
+        let kind = if frame.filter.is_pixel() { 1 } else { 2 * x.kind.is_round() as u32 };
+        let table: Vec<f32> = x.table.iter().chain(&y.table).copied().collect();
+        let table = Buffer::of(self.device, "filter", &table)?;
+        let own = [margin[0], margin[1], x.half.to_bits(), y.half.to_bits(), x.table.len() as u32, kind];
+        let params = self.head[..6].iter().copied().chain(own).collect();
+        let n = ((self.head[2] - 2 * margin[0]) * (self.head[3] - 2 * margin[1])) as usize;
+        Ok((table, params, n))
     }
 }
 

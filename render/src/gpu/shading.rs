@@ -1,28 +1,26 @@
 //! Shading of visible points by kernels of their surface and atmosphere shaders, those alike together.
 
-use crate::cpu::deferred::gather;
 use crate::cpu::frame::Frame;
-use crate::cpu::shade::{Surface, prepare};
 use crate::cpu::view::View;
+use crate::gpu::few::{Few, is_set, offset_of};
 use crate::gpu::front::Diced;
 use crate::gpu::kernels::{FrameKernels, groups};
+use crate::gpu::outputs::Outputs;
 use crate::gpu::refusal::Refusal;
 use crate::gpu::world::{DECLARATIONS, FUNCTIONS, OF_RAYS};
 use crate::scene::attributes::Attributes;
 use crate::scene::source::{Item, ItemView};
+use crate::scene::world::Scene;
 use crate::stats::Stats;
 use gpu::{Buffer, Commands, Device, GpuError, Kernels, Work};
 use sl::Global;
-use sl::ir::Ask;
-use sl::machine::{BoundShader, Points, VariableSlots};
+use sl::ir::{Ask, Lookup};
+use sl::machine::BoundShader;
 use sl::wgsl::{Batch, Host, Kernel, Query, Target};
 use std::sync::Arc;
 
 /// Points of a grid that looks at neighbours, at least as many as any has.
 const GROUP: u32 = 320;
-
-/// Numbers that shaders are given at a time.
-const MOST_VALUES: usize = 1 << 23;
 
 /// A kernel of shaders, and what it is for.
 struct Look {
@@ -32,6 +30,19 @@ struct Look {
     kernel: Kernel,
     /// That of the atmosphere.
     through: Option<Kernel>,
+    /// Of the surface's shader and of the atmosphere's: points with what is no finite number, and the first source of these; points of the first
+    /// with what is no number; points with opacities below 0 or above 1, and the first source of these.
+    lost: Buffer<u32>,
+}
+
+/// Where shading puts what it finds of points.
+#[derive(Clone, Copy)]
+pub struct Goal<'a> {
+    pub colors: &'a Buffer<[f32; 4]>,
+    /// Opacities, if they are wanted.
+    pub opacities: Option<&'a Buffer<[f32; 4]>>,
+    /// What displays take besides, if they do.
+    pub outputs: Option<&'a Outputs>,
 }
 
 /// The shaders of a frame.
@@ -42,31 +53,52 @@ pub struct Shaders<'a> {
     looks: Vec<Look>,
     /// What kernels read of the scene.
     world: Buffer<[u32; 4]>,
+    /// What stands for opacities where these are not wanted.
+    nothing: Buffer<[f32; 4]>,
+    /// Numbers that shaders are given at a time.
+    most_values: usize,
 }
 
 impl<'a> Shaders<'a> {
-    /// None yet.
+    /// None yet, whose kernels are given so many numbers at a time.
     ///
     /// # Errors
     /// Those of [`Buffer::zeros`].
-    pub fn new(device: &'a Device, kernels: &'a Kernels, own: &'a FrameKernels) -> Result<Shaders<'a>, GpuError> {
-        Ok(Shaders { device, kernels, own, looks: vec![], world: Buffer::zeros(device, "scene", 1)? })
+    pub fn new(
+        device: &'a Device,
+        kernels: &'a Kernels,
+        own: &'a FrameKernels,
+        most_values: usize,
+    ) -> Result<Shaders<'a>, GpuError> {
+        let world = Buffer::zeros(device, "scene", 1)?;
+        let nothing = Buffer::zeros(device, "no opacities", 1)?;
+        Ok(Shaders { device, kernels, own, looks: vec![], world, nothing, most_values })
     }
 
-    /// Find kernels for all that the camera may see; whether any asks what stops light, and what closes the sky.
+    /// Find kernels for all that the camera may see, of whose sources some become layers; whether any asks what stops light, and what closes
+    /// the sky.
     ///
     /// # Errors
     /// A shader that has no kernel.
-    pub fn find(&mut self, frame: &Frame<'_>) -> Result<[bool; 2], Refusal> {
+    pub fn find(&mut self, frame: &Frame<'_>, layered: &[bool]) -> Result<[bool; 2], Refusal> {
         for (k, source) in frame.scene.sources.iter().enumerate() {
-            if source.attributes.visible && !source.attributes.matte && source.len() > 0 {
+            let is_shaded = !source.attributes.matte || layered[k];
+            if source.attributes.visible && is_shaded && source.len() > 0 {
                 let item = Item { source: k as u32, index: 0 };
                 self.look(frame, item, &frame.scene.view(item))?;
             }
         }
         let kernels = || self.looks.iter().flat_map(|look| [Some(&look.kernel), look.through.as_ref()]).flatten();
         let asks = |queries: &[Query]| kernels().any(|kernel| queries.iter().any(|query| kernel.asks(*query)));
-        Ok([asks(&OF_RAYS), asks(&[Query::Openness])])
+        let has_shadows = kernels().any(|kernel| kernel.maps().any(|(how, ..)| how == Lookup::Shadow));
+        for (_, name, _) in kernels().flat_map(Kernel::maps).filter(|(how, ..)| *how != Lookup::Shadow) {
+            frame.scene.textures.number(name);
+        }
+        if asks(&[Query::Hit]) && frame.rays.any_translucent() {
+            let why = "a shader asks what translucent surfaces hide, which is not built for graphics devices";
+            return Err(Refusal::Unsupported(why.into()));
+        }
+        Ok([has_shadows || asks(&OF_RAYS), asks(&[Query::Openness])])
     }
 
     /// Let kernels read the scene.
@@ -85,28 +117,12 @@ impl<'a> Shaders<'a> {
             return Ok(k);
         }
         let scene = View::new(frame.scene, &frame.rays, item, view, [0.0; 2]);
-        let group = GROUP.min(self.device.adapter.max_invocations);
-        let host = Host { group, functions: &FUNCTIONS, declarations: DECLARATIONS, scene: &scene };
-        let kernel = Kernel::new(&a.surface, &a.light_list, host)?;
+        let kernel = self.kernel(frame, &a.surface, &a.light_list, &scene)?;
         let through = a.atmosphere.as_ref().map(|shader| {
-            let scene = View {
-                shader_to_world: a.atmosphere_space,
-                ..View::new(frame.scene, &frame.rays, item, view, [0.0; 2])
-            };
-            Kernel::new(shader, &a.light_list, Host { scene: &scene, ..host })
+            let scene = View { shader_to_world: a.atmosphere_space, ..scene };
+            self.kernel(frame, shader, &a.light_list, &scene)
         });
         let through = through.transpose()?;
-        for kernel in [Some(&kernel), through.as_ref()].into_iter().flatten() {
-            if let Some((shader, map)) = kernel.other_map() {
-                return Err(Refusal::of_shader(shader, &format!("looks up the map `{map}`")));
-            }
-            if let Some(light) = kernel.light_of_primitive() {
-                return Err(Refusal::of_shader(
-                    light,
-                    "is a light's that reads what differs from primitive to primitive",
-                ));
-            }
-        }
         if let (Some(shader), Some(through)) = (&a.atmosphere, &through) {
             if through.asks_by_name(Ask::Surface) {
                 return Err(Refusal::of_shader(&shader.program.name, "asks a surface shader what it has left"));
@@ -118,11 +134,58 @@ impl<'a> Shaders<'a> {
             }
         }
         let (surface, lights, atmosphere) = (a.surface.clone(), a.light_list.clone(), a.atmosphere.clone());
-        self.looks.push(Look { surface, lights, atmosphere, kernel, through });
+        let lost =
+            Buffer::of(self.device, "points without finite colours", &[0, u32::MAX, 0, u32::MAX, 0, 0, u32::MAX])?;
+        self.looks.push(Look { surface, lights, atmosphere, kernel, through, lost });
         Ok(self.looks.len() - 1)
     }
 
-    /// Shade the points of grids that are wanted, a bit each, and put their colours among those of all points.
+    /// Write the kernel of a shader for lights.
+    fn kernel(
+        &self,
+        frame: &Frame<'_>,
+        shader: &Arc<BoundShader>,
+        lights: &[Arc<BoundShader>],
+        scene: &View<'_>,
+    ) -> Result<Kernel, Refusal> {
+        let group = GROUP.min(self.device.adapter.max_invocations);
+        let declarations = DECLARATIONS[frame.rays.any_translucent() as usize];
+        let host = |functions| Host { group, functions, declarations, scene };
+        let mut kernel = Kernel::new(shader, lights, host(&FUNCTIONS[0]))?;
+        if kernel.maps().any(|(how, ..)| how != Lookup::Shadow) {
+            kernel = Kernel::new(shader, lights, host(&FUNCTIONS[1]))?;
+        }
+        if let Some((_, map, _)) = kernel.maps().find(|(how, _, by_light)| *how == Lookup::Shadow && !by_light) {
+            return Err(Refusal::of_shader(&shader.program.name, &format!("looks up the shadow map `{map}`")));
+        }
+        if let Some(light) = kernel.light_of_primitive() {
+            return Err(Refusal::of_shader(light, "is a light's that reads what differs from primitive to primitive"));
+        }
+        Ok(kernel)
+    }
+
+    /// Tell the scene of colours and opacities that are no finite numbers, and of what are no opacities.
+    ///
+    /// # Errors
+    /// Those of [`Buffer::read`].
+    pub fn report(&self, scene: &Scene) -> Result<(), GpuError> {
+        for look in &self.looks {
+            let lost = look.lost.read(self.device, 7)?;
+            if lost[0] > 0 {
+                scene.not_finite(&look.surface.program, lost[0] as usize, lost[1]);
+            }
+            let more = lost[2].saturating_sub(lost[4]);
+            if let Some(atmosphere) = look.atmosphere.as_ref().filter(|_| more > 0) {
+                scene.not_finite(&atmosphere.program, more as usize, lost[3]);
+            }
+            if lost[5] > 0 {
+                scene.not_opacities(&look.surface.program, lost[5] as usize, lost[6]);
+            }
+        }
+        Ok(())
+    }
+
+    /// Shade the points of grids that are wanted, a bit each, and put what is found of them among that of all points.
     ///
     /// # Errors
     /// What has no kernel, and faults of the device.
@@ -131,7 +194,7 @@ impl<'a> Shaders<'a> {
         frame: &Frame<'_>,
         grids: &mut [Diced],
         wanted: &[u32],
-        colors: &Buffer<[f32; 4]>,
+        goal: Goal<'_>,
         stats: &mut Stats,
     ) -> Result<(), Refusal> {
         let mut by_look: Vec<Vec<(usize, usize)>> = vec![];
@@ -143,12 +206,12 @@ impl<'a> Shaders<'a> {
                 by_look.resize_with(by_look.len().max(look + 1), Vec::new);
                 by_look[look].push((k, first));
             }
-            first += n;
+            first += grid.n_shaded();
         }
         for (look, own) in by_look.iter().enumerate() {
             let mut rest = own.as_slice();
             while !rest.is_empty() {
-                let taken = self.run(frame, look, grids, (rest, wanted), colors, stats)?;
+                let taken = self.run(frame, look, grids, (rest, wanted), goal, stats)?;
                 rest = &rest[taken..];
             }
         }
@@ -162,7 +225,7 @@ impl<'a> Shaders<'a> {
         look: usize,
         grids: &mut [Diced],
         (own, wanted): (&[(usize, usize)], &[u32]),
-        colors: &Buffer<[f32; 4]>,
+        goal: Goal<'_>,
         stats: &mut Stats,
     ) -> Result<usize, Refusal> {
         let look = &self.looks[look];
@@ -171,24 +234,26 @@ impl<'a> Shaders<'a> {
         let scene = View::new(frame.scene, &frame.rays, item, &view, [0.0; 2]);
         let mut batch = Batch::new(&look.kernel, &look.lights, &scene)?;
         let mut later = look.through.as_ref().map(|kernel| Batch::new(kernel, &look.lights, &scene)).transpose()?;
-        let mut few = Few::default();
+        let mut few = Few::of(&look.kernel, goal.outputs.is_some());
         let mut taken = 0;
-        while taken < own.len() && batch.values.len() < MOST_VALUES {
+        while taken < own.len() && batch.values.len() < self.most_values {
             let (k, first) = own[taken];
             taken += 1;
             few.add(frame, &mut grids[k], (first, wanted), &mut batch, later.as_mut())?;
         }
         stats.shaded_points += few.points.len() as u64;
         let results = self.dispatch(&look.kernel, &batch, None)?;
-        match (&look.through, &later) {
-            (Some(kernel), Some(later)) => {
-                let passed =
-                    self.dispatch(kernel, later, Some((&results, &few.relays(&batch, &look.kernel, later))))?;
-                // What the atmosphere leaves is as the surface has it.
-                self.take(&look.kernel, &batch, &few, &results, colors)?;
-                self.take(kernel, later, &few, &passed, colors)?;
-            }
-            _ => self.take(&look.kernel, &batch, &few, &results, colors)?,
+        self.take_given(&few, look, goal)?;
+        self.take(&look.kernel, &batch, &few, &results, (look, 0), goal)?;
+        if let Some(outputs) = goal.outputs {
+            self.take_outputs(outputs, &few.rows, &results)?;
+            let given = Buffer::of(self.device, "given outputs", &few.given_outputs)?;
+            self.take_outputs(outputs, &few.given_rows, &given)?;
+        }
+        if let (Some(kernel), Some(later)) = (&look.through, &later) {
+            // What the atmosphere leaves is as the surface has it.
+            let passed = self.dispatch(kernel, later, Some((&results, &few.relays(&batch, &look.kernel, later))))?;
+            self.take(kernel, later, &few, &passed, (look, 1), goal)?;
         }
         Ok(taken)
     }
@@ -218,7 +283,7 @@ impl<'a> Shaders<'a> {
         }
         let inputs = [groups_of.bind(), grids.bind(), slots.bind(), lights.bind(), values.bind()];
         let mut bound: Vec<_> = inputs.into_iter().chain([results.bind(), status.bind()]).collect();
-        if FUNCTIONS.iter().any(|(query, _)| kernel.asks(*query)) {
+        if FUNCTIONS[0].iter().any(|(query, _)| kernel.asks(*query)) {
             bound.push(self.world.bind());
         }
         commands.dispatch(device, &compiled, &bound, &[], Work::Groups(batch.groups.len() as u32));
@@ -229,27 +294,74 @@ impl<'a> Shaders<'a> {
         Ok(results)
     }
 
-    /// Take the colours that a kernel has found, if it gives any.
+    /// Take the colours and opacities that a kernel has found, if it gives any: that of the surface, 0, or of the atmosphere, 1, of a look.
     fn take(
         &self,
         kernel: &Kernel,
         batch: &Batch<'_>,
-        few: &Few,
+        few: &Few<'_>,
         results: &Buffer<f32>,
-        colors: &Buffer<[f32; 4]>,
+        (look, index): (&Look, u32),
+        goal: Goal<'_>,
     ) -> Result<(), GpuError> {
-        let Some(offset) = offset_of(kernel, Global::Ci) else { return Ok(()) };
+        let [color, opacity] = [Global::Ci, Global::Oi].map(|g| offset_of(kernel, g).map_or(u32::MAX, |n| n as u32));
+        if [color, opacity] == [u32::MAX; 2] {
+            return Ok(());
+        }
         let mut rows = Vec::with_capacity(few.points.len());
         for (k, grid) in few.grids.iter().enumerate() {
-            let first = batch.results_of(k) + offset * grid.n;
+            let first = batch.results_of(k) as u32;
             let own = few.points[grid.points.clone()].iter();
-            rows.extend(own.map(|(point, at)| [*point, first as u32 + at, grid.n as u32, 0]));
+            rows.extend(own.map(|(point, at)| [*point, first + at, grid.n as u32, grid.named()]));
         }
+        self.put(&rows, results, [color, opacity], (look, index), goal)
+    }
+
+    /// Take the opacities of points whose surface shader leaves them as they are given.
+    fn take_given(&self, few: &Few<'_>, look: &Look, goal: Goal<'_>) -> Result<(), GpuError> {
+        if goal.opacities.is_none() || offset_of(&look.kernel, Global::Oi).is_some() {
+            return Ok(());
+        }
+        let grids =
+            few.grids.iter().flat_map(|grid| few.points[grid.points.clone()].iter().map(move |own| (own.0, grid)));
+        let rows: Vec<[u32; 4]> =
+            grids.enumerate().map(|(k, (point, grid))| [point, 3 * k as u32, 1, grid.named()]).collect();
+        let given = Buffer::of(self.device, "given opacities", &few.opacities)?;
+        self.put(&rows, &given, [u32::MAX, 0], (look, 0), goal)
+    }
+
+    /// Put colours and opacities among those of all points.
+    fn put(
+        &self,
+        rows: &[[u32; 4]],
+        results: &Buffer<f32>,
+        [color, opacity]: [u32; 2],
+        (look, index): (&Look, u32),
+        goal: Goal<'_>,
+    ) -> Result<(), GpuError> {
         let n = rows.len();
-        let rows = Buffer::of(self.device, "shaded points", &rows)?;
+        let rows = Buffer::of(self.device, "shaded points", rows)?;
+        let changes = |kernel: &Kernel| offset_of(kernel, Global::Oi).is_some();
+        let is_last = index == 1 || !look.through.as_ref().is_some_and(changes);
+        let params = [n as u32, color, opacity, goal.opacities.is_some() as u32, index, is_last as u32];
+        let opacities = goal.opacities.unwrap_or(&self.nothing);
+        let bound = [rows.bind(), results.bind(), goal.colors.bind(), opacities.bind(), look.lost.bind()];
         let mut commands = Commands::new();
-        let bound = [rows.bind(), results.bind(), colors.bind()];
-        commands.dispatch(self.device, &self.own.point_colors, &bound, &[n as u32], groups(n, 256));
+        commands.dispatch(self.device, &self.own.point_colors, &bound, &params, groups(n, 256));
+        commands.submit(self.device)?;
+        Ok(())
+    }
+
+    /// Put what displays take besides colours among that of all points.
+    fn take_outputs(&self, outputs: &Outputs, rows: &[[u32; 4]], results: &Buffer<f32>) -> Result<(), GpuError> {
+        let n = rows.len();
+        if n == 0 {
+            return Ok(());
+        }
+        let rows = Buffer::of(self.device, "rows of outputs", rows)?;
+        let mut commands = Commands::new();
+        let bound = [rows.bind(), results.bind(), outputs.of_points.bind()];
+        commands.dispatch(self.device, &outputs.kernels.point_outputs, &bound, &[n as u32], groups(n, 256));
         commands.submit(self.device)?;
         Ok(())
     }
@@ -269,98 +381,4 @@ impl Look {
         let is_same = Arc::ptr_eq(&self.surface, &a.surface) || self.kernel.is_of(&a.surface);
         through && is_same && same(&self.lights, &a.light_list)
     }
-}
-
-/// Where the numbers of a global begin among those that a kernel gives of a point.
-fn offset_of(kernel: &Kernel, global: Global) -> Option<usize> {
-    kernel.outputs().iter().find(|output| output.target == Target::Global(global)).map(|output| output.offset)
-}
-
-fn is_set(bits: &[u32], k: usize) -> bool {
-    bits[k / 32] >> (k % 32) & 1 == 1
-}
-
-/// The points that are shaded together.
-#[derive(Default)]
-struct Few {
-    grids: Vec<FewOfGrid>,
-    /// Of each that is wanted, its index among all points, and among those of its grid that are shaded.
-    points: Vec<(u32, u32)>,
-    gathered: Points,
-    wanted: Vec<u32>,
-}
-
-/// Those of a grid.
-struct FewOfGrid {
-    /// Count of its points that are shaded.
-    n: usize,
-    /// Those that are wanted.
-    points: std::ops::Range<usize>,
-}
-
-impl Few {
-    /// Add the points of a grid that are wanted, or all if its shaders look at neighbours.
-    fn add(
-        &mut self,
-        frame: &Frame<'_>,
-        grid: &mut Diced,
-        (first, wanted): (usize, &[u32]),
-        batch: &mut Batch<'_>,
-        later: Option<&mut Batch<'_>>,
-    ) -> Result<(), Refusal> {
-        let view = frame.scene.view(grid.item);
-        self.wanted.clear();
-        self.wanted.extend((0..grid.points.n()).filter(|k| is_set(wanted, first + k)).map(|k| k as u32));
-        let whole = view.attributes.reads_neighbours();
-        if !whole {
-            gather(&grid.points, view.attached.n_uniform, &self.wanted, &mut self.gathered);
-        }
-        let points = if whole { &mut grid.points } else { &mut self.gathered };
-        let surface = Surface { item: grid.item, view: &view, reach: grid.reach, z: grid.z, time: 0.0 };
-        let scene = prepare(frame, &surface, points);
-        let id = frame.first_ids[grid.item.source as usize] + grid.item.index as usize;
-        let [x, y, z] = scene.flat.unwrap_or_default().to_array();
-        let own = [(id & 0xffff) as f32, (id >> 16) as f32, scene.bias[0], scene.bias[1], x, y, z];
-        add(batch, (&view.attributes.surface, &view.attached.surface), points, &scene, &own)?;
-        if let (Some(later), Some(shader)) = (later, &view.attributes.atmosphere) {
-            // The surface's results come here.
-            let n = points.n();
-            [Global::Ci, Global::Oi].into_iter().for_each(|g| points.refill(g).resize(3 * n, 1.0));
-            let scene = View { shader_to_world: view.attributes.atmosphere_space, ..scene };
-            add(later, (shader, &view.attached.atmosphere), points, &scene, &own)?;
-        }
-        let (begin, n) = (self.points.len(), points.n());
-        let all = self.wanted.iter().enumerate();
-        self.points.extend(all.map(|(i, k)| (first as u32 + k, if whole { *k } else { i as u32 })));
-        self.grids.push(FewOfGrid { n, points: begin..self.points.len() });
-        Ok(())
-    }
-
-    /// The runs of a surface's results that its atmosphere is given.
-    fn relays(&self, batch: &Batch<'_>, kernel: &Kernel, later: &Batch<'_>) -> Vec<[u32; 4]> {
-        let mut runs = vec![];
-        for global in [Global::Ci, Global::Oi] {
-            let Some(offset) = offset_of(kernel, global) else { continue };
-            for (k, grid) in self.grids.iter().enumerate() {
-                if let Some(goal) = later.start_of(k, global) {
-                    let source = batch.results_of(k) + offset * grid.n;
-                    runs.push([source as u32, goal as u32, 3 * grid.n as u32, 0]);
-                }
-            }
-        }
-        runs
-    }
-}
-
-/// Add the points of a grid to those of a kernel, with the host's own numbers.
-fn add(
-    batch: &mut Batch<'_>,
-    (shader, slots): (&BoundShader, &VariableSlots),
-    points: &Points,
-    scene: &View<'_>,
-    own: &[f32],
-) -> Result<(), Refusal> {
-    let k = batch.add(shader, slots, points, scene)?;
-    batch.give(k, own);
-    Ok(())
 }

@@ -2,7 +2,7 @@
 // nothing is in shadow.
 // Twin: cpu/view.rs
 
-fn scene_map(map: u32, q: Lookup) -> vec4<f32> {
+fn shadow_map(q: Lookup) -> vec4<f32> {
     if !q.has_light {
         return vec4<f32>();
     }
@@ -22,7 +22,7 @@ fn scene_map(map: u32, q: Lookup) -> vec4<f32> {
         let at = sl_spread(k, q.at);
         let turn = at.y * 6.28318531;
         let off = (across * sl_cos(turn) + up * sl_sin(turn)) * (radius * sqrt(at.x));
-        lit += select(1.0, 0.0, is_blocked(q.at, q.light + off));
+        lit += light_along(q.at, q.light + off).x;
     }
     return vec4<f32>(1.0 - lit / f32(n));
 }

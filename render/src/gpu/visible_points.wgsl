@@ -4,18 +4,12 @@
 // out  wanted         [n_points / 32]    a bit a point; none so far
 // in   params         [1]                count of samples
 // Twin: cpu/deferred.rs
+#import want
 
 @group(0) @binding(0) var<storage, read> visible: array<u32>;
 @group(0) @binding(1) var<storage, read> micropolygons: array<vec4<u32>>;
 @group(0) @binding(2) var<storage, read_write> wanted: array<atomic<u32>>;
 @group(0) @binding(3) var<storage, read> params: array<u32>;
-
-fn want(point: u32) {
-    let bit = 1u << (point & 31u);
-    if (atomicLoad(&wanted[point >> 5u]) & bit) == 0u {
-        atomicOr(&wanted[point >> 5u], bit);
-    }
-}
 
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -28,9 +22,5 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if (m.z & 2u) != 0u {
         return;
     }
-    want(m.x);
-    if (m.z & 1u) != 0u {
-        want(m.x + m.y + 1u);
-        want(m.x + select(1u, m.y, (id & 1u) != 0u));
-    }
+    want_corners(id, m);
 }

@@ -5,38 +5,115 @@ use crate::cpu::bvh::{Bvh, Occluder};
 use crate::cpu::openness::Surroundings;
 use crate::cpu::tree::Tree;
 use crate::scene::source::Item;
+use crate::scene::world::Scene;
+use crate::texture::TextureLevels;
+use crate::texture::texels::{Levels, Texels, decoded};
 use glam::{Vec3, Vec4};
+use rayon::prelude::*;
 use sl::wgsl::Query;
+use std::collections::HashMap;
 
-/// The queries that kernels may ask, and the text of their answers.
-pub const FUNCTIONS: [(Query, &str); 4] = [
-    (Query::Transmission, include_str!("transmission.wgsl")),
-    (Query::Map, include_str!("shadow.wgsl")),
-    (Query::Hit, include_str!("hit.wgsl")),
-    (Query::Openness, include_str!("sky.wgsl")),
+/// The queries that kernels may ask, and the text of their answers: where no maps are named other than shadow maps, and where some are.
+pub const FUNCTIONS: [[(Query, &str); 4]; 2] = [
+    functions(concat!(include_str!("shadow.wgsl"), "\n", include_str!("shadows_alone.wgsl"))),
+    functions(concat!(include_str!("shadow.wgsl"), "\n", include_str!("maps.wgsl"))),
 ];
 
-/// Those that ask what rays meet.
-pub const OF_RAYS: [Query; 3] = [Query::Transmission, Query::Map, Query::Hit];
+const fn functions(maps: &'static str) -> [(Query, &'static str); 4] {
+    [
+        (Query::Transmission, include_str!("transmission.wgsl")),
+        (Query::Map, maps),
+        (Query::Hit, include_str!("hit.wgsl")),
+        (Query::Openness, include_str!("sky.wgsl")),
+    ]
+}
 
-/// What these need.
-pub const DECLARATIONS: &str = concat!(include_str!("world.wgsl"), "\n", include_str!("rays.wgsl"));
+/// Those that ask what rays meet, besides lookups in shadow maps.
+pub const OF_RAYS: [Query; 2] = [Query::Transmission, Query::Hit];
+
+/// What these need, where nothing that casts shadows lets a part of the light through, and where something does.
+pub const DECLARATIONS: [&str; 2] = [
+    concat!(include_str!("world.wgsl"), "\n", include_str!("rays.wgsl"), "\n", include_str!("light.wgsl")),
+    concat!(include_str!("world.wgsl"), "\n", include_str!("rays.wgsl"), "\n", include_str!("light_through.wgsl")),
+];
+
+/// What rays meet: undisplaced, and the triangles of what is displaced, each with how near its start a ray does not meet it.
+pub struct Met<'a> {
+    pub bvh: &'a Bvh,
+    pub facets: Vec<(Item, [Vec3; 3], f32)>,
+}
+
+/// Bytes of a triangle and of its part of the tree.
+pub const FACET_BYTES: usize = 96;
 
 /// Rows of the head.
-const HEAD: usize = 3;
+const HEAD: usize = 4;
 
 /// The rows of a scene: what stops light, where shaders ask for that, and what closes the sky.
-pub fn rows(rays: Option<&Bvh>, sky: Option<&Surroundings>, id: &dyn Fn(Item) -> u32) -> Vec<[u32; 4]> {
+pub fn rows(
+    scene: &Scene,
+    rays: Option<Met<'_>>,
+    sky: Option<&Surroundings>,
+    maps: &[String],
+    id: &dyn Fn(Item) -> u32,
+) -> Result<Vec<[u32; 4]>, String> {
     let mut rows = vec![[0; 4]; HEAD];
-    if let Some(bvh) = rays.filter(|bvh| !bvh.tree().is_empty()) {
-        rows[0] = [push_tree(&mut rows, bvh.tree()), 0, bvh.tree().nodes().len() as u32, 0];
-        rows[0][1] = rows.len() as u32;
-        bvh.occluders().iter().for_each(|(item, occluder)| push_occluder(&mut rows, bvh, id(*item), occluder));
+    if let Some(rays) = rays {
+        push_rays(&mut rows, scene, &rays, id);
     }
     if let Some(sky) = sky {
         push_sky(&mut rows, sky, id);
     }
-    rows
+    if !maps.is_empty() {
+        push_maps(&mut rows, scene, maps)?;
+    }
+    Ok(rows)
+}
+
+/// Add the textures of names; the first number is that of no map.
+fn push_maps(rows: &mut Vec<[u32; 4]>, scene: &Scene, names: &[String]) -> Result<(), String> {
+    let first = rows.len();
+    rows[3] = [first as u32, 1 + names.len() as u32, 0, 0];
+    rows.resize(first + 1 + names.len(), [0; 4]);
+    rows[3][2] = rows.len() as u32;
+    rows.extend((0..64).map(|k| [0, 1, 2, 3].map(|i| decoded((4 * k + i) as f32 / 255.0).to_bits())));
+    for (k, name) in names.iter().enumerate() {
+        let added = scene.textures.visit(name, &scene.warnings, |textures, tangent| {
+            let at = rows.len();
+            rows[first + 1 + k] = [1 + (textures.len() > 1) as u32, at as u32, tangent.to_bits(), 0];
+            rows.resize(at + textures.len().div_ceil(4), [0; 4]);
+            textures.iter().enumerate().try_for_each(|(i, texture)| {
+                rows[at + i / 4][i % 4] = rows.len() as u32;
+                push_texture(rows, texture)
+            })
+        });
+        if added == Some(None) {
+            return Err(name.clone());
+        }
+    }
+    Ok(())
+}
+
+/// Add a texture; none if its texels are not in memory.
+fn push_texture(rows: &mut Vec<[u32; 4]>, texture: &TextureLevels<'_>) -> Option<()> {
+    let Levels::Resident(levels) = texture.levels else { return None };
+    let first = rows.len();
+    rows.resize(first + 1 + levels.len(), [0; 4]);
+    let mut kind = texture.wrap[0] | texture.wrap[1] << 2;
+    for (k, (w, h, texels)) in levels.iter().enumerate() {
+        rows[first + 1 + k] = [*w as u32, *h as u32, rows.len() as u32, 0];
+        match texels {
+            Texels::Bytes(all, encoded) => {
+                kind |= if *encoded { 32 } else { 16 };
+                let word = |four: &[[u8; 4]], i: usize| four.get(i).map_or(0, |texel| u32::from_le_bytes(*texel));
+                rows.extend(all.chunks(4).map(|four| [0, 1, 2, 3].map(|i| word(four, i))));
+            }
+            Texels::Floats(all) => rows.extend(all.iter().map(|texel| texel.map(f32::to_bits))),
+        }
+    }
+    let (w, h, _) = levels.first()?;
+    rows[first] = [*w as u32, *h as u32, levels.len() as u32, kind];
+    Some(())
 }
 
 fn bits(v: Vec4) -> [u32; 4] {
@@ -73,17 +150,77 @@ fn walk(n: usize, second: impl Fn(usize) -> Option<usize>) -> Vec<u32> {
     next
 }
 
-fn push_occluder(rows: &mut Vec<[u32; 4]>, bvh: &Bvh, id: u32, occluder: &Occluder) {
+/// Add what stops light, with the tree of it.
+fn push_rays(rows: &mut Vec<[u32; 4]>, scene: &Scene, Met { bvh, facets }: &Met<'_>, id: &dyn Fn(Item) -> u32) {
+    if bvh.occluders().is_empty() && facets.is_empty() {
+        return;
+    }
+    let items = || bvh.occluders().iter().map(|(item, _)| *item).chain(facets.iter().map(|(item, ..)| *item));
+    let translucent = push_translucent(rows, scene, items().filter(|item| bvh.is_translucent(*item)));
+    let named = |item: Item| {
+        let row = if bvh.is_translucent(item) { translucent[&scene.whole_of(item)] } else { 0 };
+        [id(item), row]
+    };
+    let push = |rows: &mut Vec<[u32; 4]>, tree: &Tree, order: &mut dyn Iterator<Item = usize>| {
+        rows[0] = [push_tree(rows, tree), 0, tree.nodes().len() as u32, 0];
+        rows[0][1] = rows.len() as u32;
+        for k in order {
+            match bvh.occluders().get(k) {
+                Some((item, occluder)) => push_occluder(rows, bvh, named(*item), occluder),
+                None => push_facet(rows, named, &facets[k - bvh.occluders().len()]),
+            }
+        }
+    };
+    if facets.is_empty() {
+        return push(rows, bvh.tree(), &mut (0..bvh.occluders().len()));
+    }
+    // One tree over both.
+    let of_facet = |(_, [a, b, c], _): &(Item, [Vec3; 3], f32)| {
+        let (low, high) = (a.min(*b).min(*c), a.max(*b).max(*c));
+        let room = 1e-6 * low.abs().max(high.abs()).max_element();
+        (low - room, high + room)
+    };
+    let mut bounds: Vec<(Vec3, Vec3)> = bvh.occluders().iter().map(|(_, occluder)| bvh.bound(occluder)).collect();
+    bounds.extend(facets.iter().map(of_facet));
+    let (tree, order) = Tree::new(bounds.into_par_iter());
+    push(rows, &tree, &mut order.into_iter().map(|k| k as usize));
+}
+
+/// Add what lets a part of the light through: its opacity and its own row, which is the same for all parts of a thing; the rows by things.
+fn push_translucent(rows: &mut Vec<[u32; 4]>, scene: &Scene, items: impl Iterator<Item = Item>) -> HashMap<u32, u32> {
+    let mut all = HashMap::new();
+    for item in items {
+        all.entry(scene.whole_of(item)).or_insert_with(|| {
+            let [r, g, b] = scene.attributes(item).opacity.map(f32::to_bits);
+            let row = rows.len() as u32;
+            rows.push([r, g, b, row]);
+            row
+        });
+    }
+    all
+}
+
+/// Add a triangle of what is displaced.
+fn push_facet(
+    rows: &mut Vec<[u32; 4]>,
+    named: impl Fn(Item) -> [u32; 2],
+    (item, [a, b, c], room): &(Item, [Vec3; 3], f32),
+) {
+    let [id, row] = named(*item);
+    rows.extend([[4, id, room.to_bits(), row], point(*a), point(*b - *a), point(*c - *a)]);
+}
+
+fn push_occluder(rows: &mut Vec<[u32; 4]>, bvh: &Bvh, [id, row]: [u32; 2], occluder: &Occluder) {
     let none = [0; 4];
     rows.extend(match *occluder {
-        Occluder::Sphere { center, radius } => [[0, id, 0, 0], bits(center.extend(radius)), none, none],
+        Occluder::Sphere { center, radius } => [[0, id, 0, row], bits(center.extend(radius)), none, none],
         Occluder::Ellipsoid { inverse } => {
             let m = bvh.inverse(inverse);
-            [[1, id, 0, 0], bits(m.row(0)), bits(m.row(1)), bits(m.row(2))]
+            [[1, id, 0, row], bits(m.row(0)), bits(m.row(1)), bits(m.row(2))]
         }
         Occluder::Triangle { a, ab, ac, room } => {
             let kind = if room.is_none() { 2 } else { 3 };
-            [[kind, id, room.unwrap_or(0.0).to_bits(), 0], point(a), point(ab), point(ac)]
+            [[kind, id, room.unwrap_or(0.0).to_bits(), row], point(a), point(ab), point(ac)]
         }
     });
 }

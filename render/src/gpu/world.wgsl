@@ -1,6 +1,6 @@
 // What shaders' kernels read of the scene: rows of whole numbers, or of the bits of numbers.
 // in   world  [n]  its first rows say where the others begin: 0 nodes and occluders of rays, and count of nodes; 1 nodes, spheres and half axes
-//                  of what closes the sky, and count of nodes; 2 nodes and facets of the same, and count of nodes
+//                  of what closes the sky, and count of nodes; 2 nodes and facets of the same, and count of nodes; 3 maps
 
 @group(0) @binding(7) var<storage, read> world: array<vec4<u32>>;
 

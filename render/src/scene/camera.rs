@@ -245,6 +245,13 @@ pub struct RasterPlane {
     by_place: [f32; 3],
 }
 
+impl RasterPlane {
+    /// Its factors: those that count times the depth, and those that count alone.
+    pub fn rows(&self) -> [[f32; 3]; 2] {
+        [self.by_depth, self.by_place]
+    }
+}
+
 /// Whether a place on the raster at a depth lies on the clipped side of any plane.
 pub fn is_clipped(planes: &[RasterPlane], [x, y]: [f32; 2], z: f32) -> bool {
     let at = |f: &[f32; 3]| f[0] * x + f[1] * y + f[2];

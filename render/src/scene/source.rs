@@ -33,6 +33,28 @@ pub struct Part {
     pub place: Mat4,
     /// Its own object space to that of the object: as `place`, but without the scale that is a sphere's radius.
     pub space: Mat4,
+    /// The primitive that it is a part of, counted from 0 in the object.
+    pub whole: u32,
+    /// It is one of `Points`, of which the eye and the light see one side.
+    pub particle: bool,
+}
+
+/// What the items of a source are parts of: the patches of a primitive are parts of one whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wholes {
+    /// The name of the first in the scene.
+    pub first: u32,
+    /// How many an instance of an object has.
+    pub per_instance: u32,
+    /// Some of them has more than one item.
+    pub shared: bool,
+}
+
+impl Wholes {
+    /// The name of the first of an instance.
+    pub fn of_instance(&self, instance: usize) -> u32 {
+        self.first.wrapping_add((instance as u32).wrapping_mul(self.per_instance))
+    }
 }
 
 /// Primitives that share attributes and a transformation.
@@ -49,6 +71,12 @@ pub struct Source {
     pub uniform: Vec<(VariableName, Vec<f32>)>,
     /// Spheres have the source's object space, and none of their own.
     pub shares_space: bool,
+    /// Its spheres are `Points`.
+    pub particles: bool,
+    /// The wholes that its items are parts of.
+    pub wholes: Wholes,
+    /// The id of its first item, from 1.
+    pub first_id: usize,
     /// Which instances stand where another before them does and hide behind it; empty if none does.
     pub duplicates: Vec<bool>,
     /// The variables of each part, attached to its shaders; of one for all items where there are no parts.
@@ -86,6 +114,18 @@ pub struct ItemView<'a> {
     pub instance: Option<(&'a Instances, usize)>,
     /// How far an instance moves in its source while the shutter is open.
     pub shift: Vec3,
+    /// It is one of `Points`, of which the eye and the light see one side.
+    pub particle: bool,
+}
+
+impl SourceShape {
+    /// Number of its instances.
+    pub fn n_instances(&self) -> usize {
+        match self {
+            SourceShape::One(_) => 1,
+            SourceShape::Spheres(columns) | SourceShape::Objects(columns, _) => columns.len(),
+        }
+    }
 }
 
 impl Source {

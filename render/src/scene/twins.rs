@@ -45,11 +45,7 @@ pub fn hide_twins(scene: &mut Scene) {
     }
     for source in hidden {
         let source = &mut scene.sources[source];
-        let n = match &source.shape {
-            SourceShape::One(_) => 1,
-            SourceShape::Spheres(columns) | SourceShape::Objects(columns, _) => columns.len(),
-        };
-        source.duplicates = vec![true; n];
+        source.duplicates = vec![true; source.shape.n_instances()];
     }
 }
 

@@ -14,7 +14,7 @@ use sl::machine::Answer;
 use std::collections::{BTreeMap, HashMap};
 use std::io::Write;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Mutex, OnceLock};
 
 /// The scene.
 #[derive(Default)]
@@ -23,6 +23,10 @@ pub struct Scene {
     pub sources: Vec<Source>,
     /// Count of the patches of subdivision meshes.
     pub n_subdivided: usize,
+    /// Count of the items that were given ids, and of the primitives that they are parts of: those that are not kept have theirs, too.
+    pub n_items: usize,
+    /// The same of primitives.
+    pub n_wholes: u32,
     /// What solids are made of.
     pub solids: Solids,
     /// Named coordinate systems, to world.
@@ -47,6 +51,8 @@ pub struct Scene {
     pub stopped: OnceLock<String>,
     /// Points to which a shader gave colours that are no finite numbers, by the shader as it is named, and the first source.
     pub unfinite: Mutex<BTreeMap<String, (usize, u32)>>,
+    /// The same of opacities below 0 or above 1.
+    pub beyond: Mutex<BTreeMap<String, (usize, u32)>>,
     /// Of each place of a shader whose index is out of its range, the least such index, and what is said of it.
     pub outside: Mutex<BTreeMap<String, (f32, String)>>,
     /// Displacement bounds that are needed, by shader, each with the source that needs it.
@@ -89,15 +95,43 @@ impl Scene {
         })
     }
 
-    /// Names what an item is a part of: the patches of one primitive have their attributes in common, and the parts of an instance.
-    pub fn whole_of(&self, item: Item) -> (usize, u32) {
+    /// Names the primitive that an item is a part of, as a mesh of its faces.
+    pub fn whole_of(&self, item: Item) -> u32 {
         let source = &self.sources[item.source as usize];
-        let instance = match &source.shape {
-            SourceShape::One(_) => 0,
-            SourceShape::Spheres(_) => item.index,
-            SourceShape::Objects(_, parts) => item.index / parts.len() as u32,
-        };
-        (Arc::as_ptr(&source.attributes) as usize, instance)
+        let i = item.index as usize;
+        match &source.shape {
+            SourceShape::One(_) | SourceShape::Spheres(_) => source.wholes.of_instance(i),
+            SourceShape::Objects(_, parts) => {
+                source.wholes.of_instance(i / parts.len()).wrapping_add(parts[i % parts.len()].whole)
+            }
+        }
+    }
+
+    /// The same, if others may be parts of it, too.
+    pub fn shared_whole_of(&self, item: Item) -> Option<u32> {
+        self.sources[item.source as usize].wholes.shared.then(|| self.whole_of(item))
+    }
+
+    /// Whether an item is one of `Points`.
+    pub fn is_particle(&self, item: Item) -> bool {
+        let source = &self.sources[item.source as usize];
+        match &source.shape {
+            SourceShape::Objects(_, parts) => parts[item.index as usize % parts.len()].particle,
+            SourceShape::One(_) | SourceShape::Spheres(_) => source.particles,
+        }
+    }
+
+    /// Whether a ray that meets one of `Points` leaves it: it is a disk before each ray, and counts where it is entered.
+    pub fn leaves_particle(&self, item: Item, place: Vec3, dir: Vec3) -> bool {
+        self.is_particle(item) && {
+            let m = self.place(item).1.inverse();
+            m.transform_point3(place).dot(m.transform_vector3(dir)) > 0.0
+        }
+    }
+
+    /// The id of an item, from 1: that of primitives behind others in their place counts, whether they are kept or not.
+    pub fn id_of(&self, item: Item) -> usize {
+        self.sources[item.source as usize].first_id + item.index as usize
     }
 
     /// Whether anything moves while the shutter is open.
@@ -118,12 +152,6 @@ impl Scene {
                         }
                     }
             })
-    }
-
-    /// The id of the first item of each source among all, from 1.
-    pub fn first_ids(&self) -> Vec<usize> {
-        let next = |next: &mut usize, source: &Source| Some(std::mem::replace(next, *next + source.len()));
-        self.sources.iter().scan(1, next).collect()
     }
 
     /// The whole solid that an item is of, if it is of one.
@@ -165,7 +193,8 @@ impl Scene {
         });
         let shift = shift.unwrap_or(Vec3::ZERO);
         let attached = &*source.attached[part];
-        ItemView { shape, to_world, object_to_world, attributes, color, source, attached, instance, shift }
+        let particle = self.is_particle(item);
+        ItemView { shape, to_world, object_to_world, attributes, color, source, attached, instance, shift, particle }
     }
 
     /// The place of an item for shadows and bounds alone: shape and its matrix to world.
@@ -232,10 +261,12 @@ impl Scene {
 
     /// Note points to which a shader gave colours that are no finite numbers.
     pub fn not_finite(&self, shader: &Program, n: usize, source: u32) {
-        let mut known = self.unfinite.lock().unwrap_or_else(|e| e.into_inner());
-        let (count, first) =
-            known.entry(format!("{}: the shader `{}`", shader.file, shader.name)).or_insert((0, source));
-        (*count, *first) = (*count + n, source.min(*first));
+        note_points(&self.unfinite, shader, n, source);
+    }
+
+    /// Note points to which a shader gave opacities below 0 or above 1.
+    pub fn not_opacities(&self, shader: &Program, n: usize, source: u32) {
+        note_points(&self.beyond, shader, n, source);
     }
 
     /// Note an index that is out of its range at a place of a shader: each place is warned of once.
@@ -266,9 +297,14 @@ impl Scene {
         for (_, (_, message)) in std::mem::take(&mut *self.outside.lock().unwrap_or_else(|e| e.into_inner())) {
             self.warn(message);
         }
-        for (shader, (n, source)) in std::mem::take(&mut *self.unfinite.lock().unwrap_or_else(|e| e.into_inner())) {
-            let lost = format!("gives colours that are no finite numbers, at {n} points");
-            self.warnings.add_at(spot(source), format!("{shader} {lost}"));
+        let lost = [
+            (&self.unfinite, "colours that are no finite numbers", ""),
+            (&self.beyond, "opacities below 0 or above 1", ": they count as 0 and 1"),
+        ];
+        for (noted, what, then) in lost {
+            for (shader, (n, source)) in std::mem::take(&mut *noted.lock().unwrap_or_else(|e| e.into_inner())) {
+                self.warnings.add_at(spot(source), format!("{shader} gives {what}, at {n} points{then}"));
+            }
         }
         self.warnings.take()
     }
@@ -277,4 +313,11 @@ impl Scene {
     pub fn warn(&self, message: String) {
         self.warnings.add(message);
     }
+}
+
+/// Note points to which a shader gave what it should not, by the shader as it is named, and the first source.
+fn note_points(noted: &Mutex<BTreeMap<String, (usize, u32)>>, shader: &Program, n: usize, source: u32) {
+    let mut known = noted.lock().unwrap_or_else(|e| e.into_inner());
+    let (count, first) = known.entry(format!("{}: the shader `{}`", shader.file, shader.name)).or_insert((0, source));
+    (*count, *first) = (*count + n, source.min(*first));
 }

@@ -58,11 +58,11 @@ pub trait Scene {
     fn hit(&self, _rays: &[Ray], distances: &mut [Option<f32>]) {
         distances.fill(None);
     }
-    /// Whether each ray meets a surface.
-    fn meets(&self, rays: &[Ray], met: &mut [bool]) {
+    /// How much of what comes along each ray from afar surfaces hold back: 1 where one is opaque.
+    fn hidden(&self, rays: &[Ray], hidden: &mut [f32]) {
         let mut distances = vec![None; rays.len()];
         self.hit(rays, &mut distances);
-        met.iter_mut().zip(distances).for_each(|(met, distance)| *met = distance.is_some());
+        hidden.iter_mut().zip(distances).for_each(|(hidden, distance)| *hidden = distance.is_some() as u8 as f32);
     }
     /// Whether rays from this grid are traced: not where the maximum ray depth is reached. `_many` as for [`Scene::trace`].
     fn traces(&self, _many: bool) -> bool {

@@ -35,7 +35,8 @@ fn places(program: &Program, sources: &Sources) -> Vec<(u32, String)> {
         | ir::Op::Load(.., at)
         | ir::Op::Store(.., at)
         | ir::Op::TextLoad(.., at)
-        | ir::Op::TextStore(.., at) => found.push(*at),
+        | ir::Op::TextStore(.., at)
+        | ir::Op::Format(.., at) => found.push(*at),
         _ => {}
     };
     program.params.iter().map(|p| &p.default).chain([&program.body]).for_each(|ops| ir::visit(ops, &mut note));

@@ -110,8 +110,8 @@ pub enum Op {
     Spline(Reg, TextReg, Vec<Reg>),
     /// Whether a string matches a pattern: result, pattern, string.
     Match(FloatReg, TextReg, TextReg),
-    /// `format`: result, then the format and its values.
-    Format(TextReg, Vec<Operand>),
+    /// `format`: result, then the format and its values, byte of the source.
+    Format(TextReg, Vec<Operand>, u32),
     /// `printf`: the format and its values.
     Print(Vec<Operand>),
     /// Query the scene by name.

@@ -241,7 +241,7 @@ fn drop_dead(ops: &mut Vec<Op>, read: &[bool], text_read: &[bool]) -> bool {
     ops.retain(|op| match op {
         // These change more than their result.
         Op::Assign(..) | Op::Ask { .. } => true,
-        Op::TextConst(r, _) | Op::TextLoad(r, ..) | Op::Format(r, _) => text_read[r.index()],
+        Op::TextConst(r, _) | Op::TextLoad(r, ..) | Op::Format(r, ..) => text_read[r.index()],
         Op::If(_, a, b) => !(a.is_empty() && b.is_empty()),
         other => result(other).is_none_or(|r| read[r.index()]),
     });

@@ -67,7 +67,7 @@ fn one(f: &mut Formatter<'_>, op: &Op, depth: usize) -> Result {
         Op::ColorSpace(r, a, from, to) => writeln!(f, "{r} = colour {a} {from} {to}"),
         Op::Spline(r, basis, args) => writeln!(f, "{r} = spline {basis}{}", list(args)),
         Op::Match(r, a, b) => writeln!(f, "{r} = match {a} {b}"),
-        Op::Format(t, args) => writeln!(f, "{t} = format{}", list(args)),
+        Op::Format(t, args, _) => writeln!(f, "{t} = format{}", list(args)),
         Op::Print(args) => writeln!(f, "print{}", list(args)),
         Op::Ask { dst, what, names, out, len } => {
             let names: String = names.iter().map(|t| format!(" {t}")).collect();

@@ -196,7 +196,7 @@ impl Check<'_> {
                 args.iter().try_for_each(|r| self.read(*r))?;
                 self.write(*dst)
             }
-            Op::Format(dst, args) => {
+            Op::Format(dst, args, _) => {
                 args.iter().try_for_each(|o| self.operand(*o))?;
                 self.write_text(*dst)
             }

@@ -121,7 +121,7 @@ pub fn reads(op: &Op, f: &mut dyn FnMut(Operand)) {
             f(Text(*basis));
             numbers(list, f);
         }
-        Op::Format(_, list) | Op::Print(list) => list.iter().for_each(|o| f(*o)),
+        Op::Format(_, list, _) | Op::Print(list) => list.iter().for_each(|o| f(*o)),
         Op::Ask { names, out, len, .. } => {
             names.iter().for_each(|r| f(Text(*r)));
             out.array(*len).for_each(f);
@@ -195,7 +195,7 @@ pub fn operands_mut(op: &mut Op, f: &mut dyn FnMut(&mut Reg)) {
         }
         Op::Transform(_, _, a, ..) => f(a),
         Op::ColorSpace(_, a, ..) => each([a], f),
-        Op::Format(_, list) | Op::Print(list) => list.iter_mut().for_each(|o| operand(o, f)),
+        Op::Format(_, list, _) | Op::Print(list) => list.iter_mut().for_each(|o| operand(o, f)),
         Op::Map { channel, at, options, .. } => {
             at.iter_mut().for_each(&mut *f);
             each([channel], f);

@@ -16,8 +16,12 @@ const CLOSED: f32 = 1.0 / (1u64 << 40) as f32;
 const SURELY_CLOSED: f32 = 1.0 / (1u64 << 60) as f32;
 
 /// Two layers of a primitive that are nearer to each other than this part of their depth are one: a sample on an edge that two
-/// micropolygons share meets both.
+/// micropolygons share meets both. So are layers of two faces of a mesh, where the sample lies on an edge of one of them: elsewhere
+/// they are sheets of it that coincide.
 const SAME: f32 = 1e-4;
+
+/// The same of what is met at one depth, but for rounding.
+const COINCIDENT: f32 = 2e-6;
 
 /// Layers of a sample up to which each is compared with those before it.
 const FEW: usize = 32;
@@ -35,6 +39,7 @@ impl Layer {
 
     /// Give it its colour and opacity.
     pub(super) fn paint(&mut self, color: [f32; 3], opacity: [f32; 3], matte: bool) {
+        let opacity = opacity.map(|o| o.clamp(0.0, 1.0));
         let mean = (opacity[0] + opacity[1] + opacity[2]) / 3.0;
         self.color = if matte { [0.0; 3] } else { color };
         self.open = opacity.map(|o| 1.0 - o);
@@ -90,13 +95,15 @@ impl Left {
 struct Line {
     layers: Vec<u32>,
     repeats: Vec<bool>,
-    by_primitive: Vec<u32>,
+    by_name: Vec<u32>,
+    /// Another face was met with them.
+    joined: Vec<bool>,
 }
 
 impl Line {
     /// Find the layers of a primitive that are the same as one of it before them.
     fn find_repeats(&mut self, all: &[Layer]) {
-        let Line { layers, repeats, by_primitive } = self;
+        let Line { layers, repeats, by_name, .. } = self;
         let of = |k: usize| &all[layers[k] as usize];
         let n = layers.len();
         repeats.clear();
@@ -110,17 +117,50 @@ impl Line {
                 let repeated = v.primitive != NO_PRIMITIVE && near.into_iter().any(|before| counts(&before));
                 repeats[k] = repeated;
             }
-            return;
+        } else {
+            by_name.clear();
+            by_name.extend((0..n as u32).filter(|k| of(*k as usize).primitive != NO_PRIMITIVE));
+            by_name.sort_unstable_by_key(|k| (of(*k as usize).primitive, *k));
+            let mut before: Option<&Layer> = None;
+            for k in by_name.iter() {
+                let v = of(*k as usize);
+                match before.filter(|before| before.primitive == v.primitive && is_same(before, v)) {
+                    Some(_) => repeats[*k as usize] = true,
+                    None => before = Some(v),
+                }
+            }
         }
-        by_primitive.clear();
-        by_primitive.extend((0..n as u32).filter(|k| of(*k as usize).primitive != NO_PRIMITIVE));
-        by_primitive.sort_unstable_by_key(|k| (of(*k as usize).primitive, *k));
-        let mut before: Option<&Layer> = None;
-        for k in by_primitive.iter() {
-            let v = of(*k as usize);
-            match before.filter(|before| before.primitive == v.primitive && is_same(before, v)) {
-                Some(_) => repeats[*k as usize] = true,
-                None => before = Some(v),
+        if n > 1 && (0..n).any(|k| of(k).at_rim) {
+            self.join_faces(all);
+        }
+    }
+
+    /// Find the layers of faces of a mesh that are met on an edge that another face has, too: those at one depth, and then what is left of
+    /// those on edges, where faces that lean to each other are met beside their edge.
+    fn join_faces(&mut self, all: &[Layer]) {
+        let Line { layers, repeats, by_name, joined } = self;
+        let of = |k: u32| &all[layers[k as usize] as usize];
+        by_name.clear();
+        by_name.extend((0..layers.len() as u32).filter(|k| of(*k).whole.is_some() && !repeats[*k as usize]));
+        by_name.sort_unstable_by_key(|k| (of(*k).whole, *k));
+        joined.clear();
+        joined.resize(layers.len(), false);
+        for (tolerance, again) in [(COINCIDENT, true), (SAME, false)] {
+            let mut last: Option<u32> = None;
+            for k in by_name.iter().copied() {
+                if repeats[k as usize] {
+                    continue;
+                }
+                let v = of(k);
+                let waits = |k: u32, joined: &[bool]| of(k).at_rim && (again || !joined[k as usize]);
+                let goes_on = |before: &u32| {
+                    let near = v.z - of(*before).z <= tolerance * v.z;
+                    of(*before).whole == v.whole && near && (waits(*before, joined) || waits(k, joined))
+                };
+                match last.filter(goes_on) {
+                    Some(before) => (repeats[k as usize], joined[before as usize]) = (true, true),
+                    None => last = Some(k),
+                }
             }
         }
     }
@@ -130,8 +170,8 @@ impl Line {
 pub struct ToCome<'a> {
     /// Its least depth.
     pub z: f32,
-    /// Whether some of a primitive is among it.
-    pub has: &'a dyn Fn(u64) -> bool,
+    /// Whether some of a primitive is among it, or of the whole that this is a part of.
+    pub has: &'a dyn Fn(u64, Option<u32>) -> bool,
 }
 
 impl Samples {
@@ -139,6 +179,7 @@ impl Samples {
     pub(super) fn clear_layers(&mut self) {
         self.layers.clear();
         self.layers.shrink_to(MAX_LAYERS);
+        self.packed.0.shrink_to(MAX_LAYERS);
         self.layer_outputs.clear();
         (self.n_colored, self.room, self.closed) = (0, MIN_ROOM, false);
     }
@@ -244,7 +285,8 @@ impl Samples {
     /// one depth whose primitives are there as a whole. Where they let nothing through, nothing behind them is seen any more.
     pub fn pack(&mut self, to_come: &ToCome<'_>, aovs: &[Aov]) {
         let mut line = Line::default();
-        let mut packed = Packed { depth: self.depth, ..Packed::default() };
+        let (layers, outputs) = std::mem::take(&mut self.packed);
+        let mut packed = Packed { layers, outputs, depth: self.depth };
         for k in 0..self.list.len() {
             if self.list[k] == NONE {
                 continue;
@@ -266,14 +308,17 @@ impl Samples {
                 packed.layers[at].next = std::mem::replace(&mut self.list[k], at as u32);
             }
         }
-        (self.layers, self.layer_outputs) = (packed.layers, packed.outputs);
+        std::mem::swap(&mut self.layers, &mut packed.layers);
+        std::mem::swap(&mut self.layer_outputs, &mut packed.outputs);
+        packed.layers.clear();
+        packed.outputs.clear();
+        self.packed = (packed.layers, packed.outputs);
         (self.n_colored, self.room) = (0, MIN_ROOM.max(2 * self.layers.len()));
         self.block_dirty.fill(true);
     }
 }
 
 /// Layers that have been packed.
-#[derive(Default)]
 struct Packed {
     layers: Vec<Layer>,
     outputs: Vec<f32>,
@@ -292,7 +337,7 @@ impl Packed {
     fn lay(&mut self, at: usize, next: &Layer, behind: &[f32], aovs: &[Aov]) {
         let own = &mut self.outputs[at * self.depth..][..self.depth];
         self.layers[at].lay(next, own, behind, aovs);
-        self.layers[at].primitive = NO_PRIMITIVE;
+        (self.layers[at].primitive, self.layers[at].whole) = (NO_PRIMITIVE, None);
     }
 
     /// Pack the layers of a sample; the depth from which on nothing is seen, if there is one.
@@ -309,7 +354,7 @@ impl Packed {
             let (mut is_one, mut is_closed) = (true, false);
             for (at, repeats) in group.iter().zip(repeats) {
                 let v = of(at);
-                let is_whole = v.primitive == NO_PRIMITIVE || !(to_come.has)(v.primitive);
+                let is_whole = v.primitive == NO_PRIMITIVE || !(to_come.has)(v.primitive, v.whole);
                 if *repeats && (is_known || is_whole) {
                     continue;
                 }

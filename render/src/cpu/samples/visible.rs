@@ -1,8 +1,11 @@
 //! Visible points: which micropolygons samples have, and the colours that they get of these.
 
 use crate::cpu::micropolygon::Micropolygon;
-use crate::cpu::samples::{Samples, within};
+use crate::cpu::samples::{Layer, NONE, Samples, within};
 use glam::Vec3A;
+
+/// The opacity from which on a layer counts as what is visible, where that is kept.
+const OPAQUE: f32 = 1.0 - 1e-6;
 
 /// A shaded triangle of a micropolygon.
 #[derive(Clone, Copy, Default)]
@@ -30,6 +33,12 @@ pub trait Triangles {
 }
 
 impl Triangle {
+    /// Whether its corners let nothing through, but for rounding.
+    fn is_opaque(&self) -> bool {
+        let least = Vec3A::splat(OPAQUE);
+        self.opacity[..if self.smooth { 3 } else { 1 }].iter().all(|o| o.cmpge(least).all())
+    }
+
     /// What each corner counts at a place with these weights of the second and third.
     #[inline]
     fn weights(&self, [second, third]: [f32; 2]) -> [f32; 3] {
@@ -67,13 +76,38 @@ impl Samples {
         }
     }
 
-    /// Note the identities of micropolygons that are visible and have no colour yet.
-    pub fn note_identities(&mut self, identity_of: impl Fn(Micropolygon) -> u64) {
+    /// Note the identities of micropolygons that are visible and have no colour yet: of what is opaque, and of layers whose corners let
+    /// nothing through.
+    pub fn note_identities(&mut self, triangles: &impl Triangles, identity_of: impl Fn(Micropolygon) -> u64) {
         self.identities.resize(self.visible.len(), 0);
-        for (identity, id) in self.identities.iter_mut().zip(&self.visible) {
+        self.identity_z.resize(self.visible.len(), f32::INFINITY);
+        let mut note = |k: usize, z: f32, m: Micropolygon| {
+            if z < self.identity_z[k] {
+                (self.identities[k], self.identity_z[k]) = (identity_of(m), z);
+            }
+        };
+        for (k, id) in self.visible.iter().enumerate() {
             let micropolygon = Micropolygon::from_id(*id);
             if micropolygon != Micropolygon::NONE {
-                *identity = identity_of(micropolygon);
+                note(k, self.z[k], micropolygon);
+            }
+        }
+        for k in 0..self.list.len() {
+            let time = self.time.get(k).copied().unwrap_or(0.0);
+            let mut nearest: Option<&Layer> = None;
+            let mut at = self.list[k];
+            while at != NONE {
+                let layer = &self.layers[at as usize];
+                at = layer.next;
+                let is_new = layer.micropolygon != Micropolygon::NONE && layer.is_before(self.z[k]);
+                // The last of a list came first.
+                let is_nearer = nearest.is_none_or(|v| layer.z <= v.z);
+                if is_new && is_nearer && triangles.at(layer.micropolygon, time).is_opaque() {
+                    nearest = Some(layer);
+                }
+            }
+            if let Some(layer) = nearest {
+                note(k, layer.z, layer.micropolygon);
             }
         }
     }
@@ -122,12 +156,16 @@ impl Samples {
             let triangle = triangles.at(id, self.time.get(k).copied().unwrap_or(0.0));
             let w = triangle.weights(layer.weights);
             let mix = |[a, b, c]: [Vec3A; 3]| (a * w[0] + b * w[1] + c * w[2]).to_array();
-            layer.paint(mix(triangle.color), mix(triangle.opacity), triangle.matte);
+            let opacity = mix(triangle.opacity);
+            layer.paint(mix(triangle.color), opacity, triangle.matte);
             let own = &mut self.layer_outputs[at * self.depth..][..self.depth];
             if triangle.matte {
                 own.fill(0.0);
             } else {
                 triangle.outputs(outputs, w, own);
+                for (own, channel) in own.iter_mut().zip(&self.weighted) {
+                    *own *= channel.map_or(1.0, |c| opacity[c].clamp(0.0, 1.0));
+                }
             }
         }
         self.n_colored = self.layers.len();

@@ -53,7 +53,6 @@ impl Machine {
         let outer = self.mask.clone();
         self.loops.push(LoopFrame { left: vec![false; n], skipped: vec![false; n], inline: false });
         let outer_turn = self.loop_turn;
-        let outer_place = self.loop_place.replace(place);
         let mut turns = 0u32;
         loop {
             turns = turns.wrapping_add(1);
@@ -85,7 +84,7 @@ impl Machine {
             self.drop_left();
             self.block(step, scene);
         }
-        (self.loop_turn, self.loop_place) = (outer_turn, outer_place);
+        self.loop_turn = outer_turn;
         self.loops.pop();
         self.mask = outer;
         // Who left a loop further out, or the function, within this one.

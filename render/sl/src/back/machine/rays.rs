@@ -107,7 +107,7 @@ impl Machine {
         if !hidden && !scene.traces(true) {
             return;
         }
-        let (mut rays, mut met, mut colors) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut rays, mut parts, mut colors) = (Vec::new(), Vec::new(), Vec::new());
         for points in self.active().chunks((MAX_RAYS / samples).max(1)) {
             rays.clear();
             for k in points {
@@ -116,9 +116,9 @@ impl Machine {
             }
             colors.resize(rays.len(), [0.0; 3]);
             if hidden {
-                met.resize(rays.len(), false);
-                scene.meets(&rays, &mut met);
-                colors.iter_mut().zip(&met).for_each(|(c, met)| *c = [*met as u8 as f32; 3]);
+                parts.resize(rays.len(), 0.0);
+                scene.hidden(&rays, &mut parts);
+                colors.iter_mut().zip(&parts).for_each(|(c, part)| *c = [*part; 3]);
             } else {
                 scene.trace(&rays, true, &mut colors);
             }

@@ -73,7 +73,7 @@ impl Machine {
             scene.stop(&format!("the loops of the shader `{}` do not end, in {}", program.name, program.place(place)));
         }
         if let Some(place) = self.overlong.take() {
-            let (name, place) = (&program.name, place.map_or(program.file.as_str(), |place| program.place(place)));
+            let (name, place) = (&program.name, program.place(place));
             scene.stop(&format!("a string of the shader `{name}` grows beyond 64 KiB, in {place}"));
         }
         if let Some(Beyond { what, index, len, place }) = self.beyond.take() {
@@ -277,12 +277,12 @@ impl Machine {
                 let found = crate::shadeop::format::matches(&self.texts[pattern.index()], &self.texts[text.index()]);
                 self.regs[dst.index()] = vec![found as u8 as f32];
             }
-            Op::Format(dst, args) => {
+            Op::Format(dst, args, place) => {
                 let k = self.mask.as_ref().and_then(|m| m.iter().position(|m| *m)).unwrap_or(0);
                 let text = self.format(args, k);
                 // It is cut at the end of a character, of four bytes at most.
                 if text.len() + 4 > LONGEST {
-                    self.overlong = self.overlong.or(Some(self.loop_place));
+                    self.overlong = self.overlong.or(Some(*place));
                 }
                 self.texts[dst.index()] = text;
             }

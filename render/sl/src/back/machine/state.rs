@@ -90,10 +90,8 @@ pub struct Machine {
     pub(super) beyond: Option<Beyond>,
     /// Of the loops of this run that were cut, that which had the most turns: these, and the byte of the source.
     pub(super) endless: Option<(u32, u32)>,
-    /// The place of the loop that runs.
-    pub(super) loop_place: Option<u32>,
-    /// The loop in which a string grew too long.
-    pub(super) overlong: Option<Option<u32>>,
+    /// Where a string grew too long, as a byte of the source.
+    pub(super) overlong: Option<u32>,
     /// What shaders that ran before tell this one.
     pub(super) messages: Vec<Message>,
     pub(super) receiver: Option<Receiver>,

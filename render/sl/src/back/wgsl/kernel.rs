@@ -116,6 +116,14 @@ impl Kernel {
         &self.shaders[0].outputs
     }
 
+    /// What it gives of a name: an output parameter, else a global that it changes.
+    pub fn output_of(&self, name: &str, global: Option<Global>) -> Option<Output> {
+        let params = &self.shaders[0].bound.program.params;
+        let find = |is_it: &dyn Fn(Target) -> bool| self.outputs().iter().find(|o| is_it(o.target)).copied();
+        let parameter = find(&|target| matches!(target, Target::Parameter(k) if params[k].name == name));
+        parameter.or_else(|| find(&|target| global.is_some_and(|g| target == Target::Global(g))))
+    }
+
     /// Whether it asks the host's functions a query.
     pub fn asks(&self, query: Query) -> bool {
         self.queries.contains(&query)
@@ -126,18 +134,13 @@ impl Kernel {
         self.shaders[0].slots.iter().any(|slot| matches!(slot, Slot::Answer { what, .. } if *what == of))
     }
 
-    /// A map that a shader looks up, other than shadow maps of lights: the names of the shader and of the map.
-    pub fn other_map(&self) -> Option<(&str, &str)> {
-        let other = |(k, shader): (usize, &'_ Shader)| {
-            shader
-                .slots
-                .iter()
-                .position(|slot| matches!(slot, Slot::Map { how, .. } if k == 0 || *how != Lookup::Shadow))
-                .map(|slot| (k, slot))
-        };
-        let (k, slot) = self.shaders.iter().enumerate().find_map(other)?;
-        let Slot::Map { name, .. } = &self.shaders[k].slots[slot] else { return None };
-        Some((&self.shaders[k].bound.program.name, name))
+    /// The maps that shaders of the kernel look up: how, the name, and whether a light's shader does. One without a name is none.
+    pub fn maps(&self) -> impl Iterator<Item = (Lookup, &str, bool)> {
+        let slots = self.shaders.iter().enumerate().flat_map(|(k, shader)| shader.slots.iter().map(move |s| (k, s)));
+        slots.filter_map(|(k, slot)| match slot {
+            Slot::Map { how, name } if !name.is_empty() => Some((*how, name.as_str(), k > 0)),
+            _ => None,
+        })
     }
 
     /// The name of a light whose shader reads what differs from primitive to primitive: the spaces of these, or an answer other than

@@ -62,7 +62,7 @@ impl Texts {
                 Some(r) => self.put(r, self.get(*value).map(String::from)),
                 None => first.array(*len).for_each(|r| self.put(r, None)),
             },
-            Op::Format(r, args) => self.put(*r, self.format(args, constants)),
+            Op::Format(r, args, _) => self.put(*r, self.format(args, constants)),
             Op::Ask { what, names, out: Operand::Text(r), .. } => {
                 let names: Option<Vec<&str>> = names.iter().map(|r| self.get(*r)).collect();
                 if let Some(Answer::Text(text)) = names.and_then(|names| ask(*what, &names, scene)) {
@@ -99,7 +99,7 @@ impl Texts {
     /// Forget variables that a block assigns to, which may run any number of times.
     pub fn forget(&mut self, ops: &[Op]) {
         visit(ops, &mut |op| match op {
-            Op::TextCopy(r, _) | Op::TextLoad(r, ..) | Op::Format(r, _) | Op::Ask { out: Operand::Text(r), .. } => {
+            Op::TextCopy(r, _) | Op::TextLoad(r, ..) | Op::Format(r, ..) | Op::Ask { out: Operand::Text(r), .. } => {
                 self.put(*r, None)
             }
             Op::TextStore(first, len, ..) => first.array(*len).for_each(|r| self.put(r, None)),

@@ -77,11 +77,11 @@ impl Lower<'_> {
             (Form::Concat, list) if !list.is_empty() && list.iter().all(|t| *t == Ty::Text) => {
                 let pattern = self.text(at, &"%s".repeat(list.len()))?;
                 let args = std::iter::once(pattern).chain(v.iter().copied()).map(Value::operand).collect();
-                self.temp(at, Ty::Text, false, |r| Op::Format(r.text(), args))
+                self.temp(at, Ty::Text, false, |r| Op::Format(r.text(), args, at as u32))
             }
             (Form::Format, [Ty::Text, ..]) => {
                 let args = v.iter().copied().map(Value::operand).collect();
-                self.temp(at, Ty::Text, false, |r| Op::Format(r.text(), args))
+                self.temp(at, Ty::Text, false, |r| Op::Format(r.text(), args, at as u32))
             }
             (Form::Print, [Ty::Text, ..]) => {
                 self.push(at, Op::Print(v.iter().copied().map(Value::operand).collect()))?;

@@ -1,0 +1,219 @@
+//! The points of grids that are shaded together, and what they need: a batch of their kernels, and what is given without these.
+
+use crate::cpu::deferred::gather;
+use crate::cpu::frame::Frame;
+use crate::cpu::shade::{Surface, prepare, surface_opacity};
+use crate::cpu::view::View;
+use crate::film::display::placed;
+use crate::gpu::front::Diced;
+use crate::gpu::refusal::Refusal;
+use crate::scene::source::{Item, ItemView};
+use sl::Global;
+use sl::machine::{BoundShader, Points, VariableSlots};
+use sl::wgsl::{Batch, Kernel, Target};
+
+/// Where the numbers of a global begin among those that a kernel gives of a point.
+pub fn offset_of(kernel: &Kernel, global: Global) -> Option<usize> {
+    kernel.outputs().iter().find(|output| output.target == Target::Global(global)).map(|output| output.offset)
+}
+
+/// Whether a bit is set.
+pub fn is_set(bits: &[u32], k: usize) -> bool {
+    bits[k / 32] >> (k % 32) & 1 == 1
+}
+
+/// The points that are shaded together.
+#[derive(Default)]
+pub struct Few<'k> {
+    /// The kernel of their surface's shader.
+    kernel: Option<&'k Kernel>,
+    takes_outputs: bool,
+    pub grids: Vec<FewOfGrid>,
+    /// Of each that is wanted, its index among all points, and among those of its grid that are shaded.
+    pub points: Vec<(u32, u32)>,
+    /// Of each that is wanted, its opacity, if the surface's shader leaves that as it is.
+    pub opacities: Vec<f32>,
+    /// What displays take besides colours: rows of results, and rows of numbers that are given.
+    pub rows: Vec<[u32; 4]>,
+    pub given_rows: Vec<[u32; 4]>,
+    pub given_outputs: Vec<f32>,
+    gathered: Points,
+    wanted: Vec<u32>,
+}
+
+/// Those of a grid.
+pub struct FewOfGrid {
+    /// Count of its points that are shaded.
+    pub n: usize,
+    /// Its source.
+    source: u32,
+    /// Whether its opacity may be other than it is given as a whole.
+    has_opacities: bool,
+    /// Those that are wanted.
+    pub points: std::ops::Range<usize>,
+}
+
+impl FewOfGrid {
+    /// Its source, with the highest bit if its opacity is given as a whole.
+    pub fn named(&self) -> u32 {
+        self.source | u32::from(!self.has_opacities) << 31
+    }
+}
+
+impl<'k> Few<'k> {
+    /// None yet, of a kernel; whether displays take more than colours.
+    pub fn of(kernel: &'k Kernel, takes_outputs: bool) -> Few<'k> {
+        Few { kernel: Some(kernel), takes_outputs, ..Few::default() }
+    }
+
+    /// Add the points of a grid that are wanted, or all if its shaders look at neighbours; as the shutter opens, and at each time of a
+    /// colour or opacity that moves.
+    ///
+    /// # Errors
+    /// What the batch cannot take.
+    pub fn add(
+        &mut self,
+        frame: &Frame<'_>,
+        grid: &mut Diced,
+        (first, wanted): (usize, &[u32]),
+        batch: &mut Batch<'_>,
+        mut later: Option<&mut Batch<'_>>,
+    ) -> Result<(), Refusal> {
+        let n = grid.points.n();
+        self.wanted.clear();
+        self.wanted.extend((0..n).filter(|k| is_set(wanted, first + k)).map(|k| k as u32));
+        for moment in 0..=grid.fades.len() {
+            let time = moment.checked_sub(1).map_or(0.0, |k| grid.fades[k]);
+            self.add_at(frame, grid, (first + moment * n, time), batch, later.as_deref_mut())?;
+        }
+        Ok(())
+    }
+
+    /// Add those of a time, whose places begin at one among all.
+    fn add_at(
+        &mut self,
+        frame: &Frame<'_>,
+        grid: &mut Diced,
+        (first, time): (usize, f32),
+        batch: &mut Batch<'_>,
+        later: Option<&mut Batch<'_>>,
+    ) -> Result<(), Refusal> {
+        let view = frame.scene.view(grid.item);
+        let whole = view.attributes.reads_neighbours();
+        if !whole {
+            gather(&grid.points, view.attached.n_uniform, &self.wanted, &mut self.gathered);
+        }
+        let mut gathered = std::mem::take(&mut self.gathered);
+        let points = if whole { &mut grid.points } else { &mut gathered };
+        let surface = Surface { item: grid.item, view: &view, reach: grid.reach, z: grid.z, time };
+        let scene = prepare(frame, &surface, points);
+        let id = frame.scene.id_of(grid.item);
+        let [x, y, z] = scene.flat.unwrap_or_default().to_array();
+        let own = [(id & 0xffff) as f32, (id >> 16) as f32, scene.bias[0], scene.bias[1], x, y, z];
+        let k = add(batch, (&view.attributes.surface, &view.attached.surface), points, &scene, &own)?;
+        let (begin, n) = (self.points.len(), points.n());
+        let all = self.wanted.iter().enumerate();
+        self.points.extend(all.map(|(i, k)| (first as u32 + k, if whole { *k } else { i as u32 })));
+        let has_opacities = !view.attributes.keeps_opacity() || view.attached.opacity.is_some();
+        let (source, points_of) = (grid.item.source, begin..self.points.len());
+        self.grids.push(FewOfGrid { n, source, has_opacities, points: points_of });
+        self.note_given(frame, (grid.item, &grid.motion), first, (batch, k), &view, points);
+        if let (Some(later), Some(shader)) = (later, &view.attributes.atmosphere) {
+            // The surface's results come here.
+            let found = |g: &Global| self.kernel.is_some_and(|kernel| offset_of(kernel, *g).is_some());
+            let given = [Global::Ci, Global::Oi].into_iter().filter(found);
+            given.for_each(|g| points.refill(g).resize(3 * n, 1.0));
+            let scene = View { shader_to_world: view.attributes.atmosphere_space, ..scene };
+            add(later, (shader, &view.attached.atmosphere), points, &scene, &own)?;
+        }
+        self.gathered = gathered;
+        Ok(())
+    }
+
+    /// Note what is given of the points of the last grid, the one of an index of a batch: their opacities, if the shader leaves them, and
+    /// where what displays take of them besides colours is found.
+    fn note_given(
+        &mut self,
+        frame: &Frame<'_>,
+        (item, motion): (Item, &[[f32; 2]]),
+        first: usize,
+        (batch, index): (&Batch<'_>, usize),
+        view: &ItemView<'_>,
+        points: &Points,
+    ) {
+        let (Some(kernel), Some(grid)) = (self.kernel, self.grids.last()) else { return };
+        let own = &self.points[grid.points.clone()];
+        if offset_of(kernel, Global::Oi).is_none() {
+            let given = surface_opacity(points);
+            self.opacities.extend(own.iter().flat_map(|(_, at)| of_point(given, 3, grid.n, *at as usize)));
+        }
+        if !self.takes_outputs {
+            return;
+        }
+        let id = [frame.scene.id_of(item) as f32];
+        for (place, aov) in placed(&frame.aovs) {
+            let (width, name) = (aov.width(), aov.name.as_str());
+            let goal = |point: u32| (point as usize * frame.depth + place) as u32;
+            if name == "motion" {
+                for (point, _) in own {
+                    let values = motion.get(*point as usize - first).copied().unwrap_or_default();
+                    self.given_rows.push([goal(*point), self.given_outputs.len() as u32, 1, 2]);
+                    self.given_outputs.extend(values);
+                }
+                continue;
+            }
+            let global = if name == "id" || name == "z" { None } else { Global::of_name(name) };
+            if let Some(output) = kernel.output_of(name, global).filter(|output| output.width == width) {
+                let from = batch.results_of(index) + output.offset * grid.n;
+                let row = |(point, at): &(u32, u32)| [goal(*point), from as u32 + at, grid.n as u32, width as u32];
+                self.rows.extend(own.iter().map(row));
+                continue;
+            }
+            let values = match name {
+                "z" => None,
+                "id" => Some(&id[..]),
+                "Ng" => points.get(Global::Ng).filter(|v| !v.is_empty()).or(points.get(Global::N)),
+                _ => global.and_then(|g| points.get(g)).or_else(|| points.variable(view.attached.slot(name)?)),
+            };
+            let Some(values) = values.filter(|v| v.len() == width || v.len() == width * grid.n) else { continue };
+            for (point, at) in own {
+                self.given_rows.push([goal(*point), self.given_outputs.len() as u32, 1, width as u32]);
+                self.given_outputs.extend(of_point(values, width, grid.n, *at as usize));
+            }
+        }
+    }
+
+    /// The runs of a surface's results that its atmosphere is given.
+    pub fn relays(&self, batch: &Batch<'_>, kernel: &Kernel, later: &Batch<'_>) -> Vec<[u32; 4]> {
+        let mut runs = vec![];
+        for global in [Global::Ci, Global::Oi] {
+            let Some(offset) = offset_of(kernel, global) else { continue };
+            for (k, grid) in self.grids.iter().enumerate() {
+                if let Some(goal) = later.start_of(k, global) {
+                    let source = batch.results_of(k) + offset * grid.n;
+                    runs.push([source as u32, goal as u32, 3 * grid.n as u32, 0]);
+                }
+            }
+        }
+        runs
+    }
+}
+
+/// Add the points of a grid to those of a kernel, with the host's own numbers; its index.
+fn add(
+    batch: &mut Batch<'_>,
+    (shader, slots): (&BoundShader, &VariableSlots),
+    points: &Points,
+    scene: &View<'_>,
+    own: &[f32],
+) -> Result<usize, Refusal> {
+    let k = batch.add(shader, slots, points, scene)?;
+    batch.give(k, own);
+    Ok(k)
+}
+
+/// The numbers of a point of `n`, of values that are one for all or one a point.
+fn of_point(values: &[f32], width: usize, n: usize, k: usize) -> impl Iterator<Item = f32> + '_ {
+    let is_one = values.len() == width;
+    (0..width).map(move |c| if is_one { values[c] } else { values[c * n + k] })
+}

@@ -1,0 +1,21 @@
+// The pixel filter: what a sample counts at a place from the middle of a pixel.
+// Twin: film/filter.rs
+
+fn along(axis: u32, x: f32) -> f32 {
+    let at = abs(x);
+    if at >= bitcast<f32>(params[8u + axis]) {
+        return 0.0;
+    }
+    return table[select(0u, params[10], axis == 1u) + u32(at * 256.0)];
+}
+
+fn weight(d: vec2<f32>) -> f32 {
+    if params[11] == 1u {
+        return 1.0;
+    }
+    if params[11] == 2u {
+        let ratio = bitcast<f32>(params[8]) / bitcast<f32>(params[9]);
+        return along(0u, sqrt(d.x * d.x + d.y * d.y * ratio * ratio));
+    }
+    return along(0u, d.x) * along(1u, d.y);
+}

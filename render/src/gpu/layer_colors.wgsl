@@ -1,0 +1,16 @@
+// The layers of samples that stand still, composited over what is opaque.
+#import triangle
+#import raster
+#import weights
+#import compose
+#import no_outputs
+
+@group(0) @binding(3) var<storage, read> colors: array<vec4<f32>>;
+@group(0) @binding(4) var<storage, read> opacities: array<vec4<f32>>;
+@group(0) @binding(5) var<storage, read> grids: array<vec4<u32>>;
+@group(0) @binding(6) var<storage, read> ends: array<u32>;
+@group(0) @binding(7) var<storage, read_write> layers: array<vec2<u32>>;
+@group(0) @binding(8) var<storage, read> depth: array<u32>;
+@group(0) @binding(9) var<storage, read_write> color: array<vec4<f32>>;
+@group(0) @binding(10) var<storage, read_write> visible: array<u32>;
+@group(0) @binding(11) var<storage, read> params: array<u32>;
