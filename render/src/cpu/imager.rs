@@ -24,7 +24,7 @@ impl sl::machine::Scene for ImagerScene<'_> {
     fn map(&self, queries: &[MapQuery<'_>], values: &mut [[f32; 4]]) {
         queries.iter().zip(values).for_each(|(query, value)| *value = self.0.textures.look_up(query));
     }
-    fn map_fault(&self, _: Lookup, name: &str) -> Option<String> {
+    fn map_fault(&self, _: Lookup, name: &str, _: bool) -> Option<String> {
         self.0.textures.fault(name)
     }
     fn ask(&self, what: Ask, names: &[&str]) -> Option<Answer> {

@@ -393,8 +393,14 @@ impl sl::machine::Scene for View<'_> {
         self.scene.warn_of(self.item.source, message);
     }
 
-    fn map_fault(&self, how: Lookup, name: &str) -> Option<String> {
-        if how == Lookup::Shadow { None } else { self.scene.textures.fault(name) }
+    fn map_fault(&self, how: Lookup, name: &str, along_ray: bool) -> Option<String> {
+        match how {
+            Lookup::Shadow if along_ray => None,
+            Lookup::Shadow => {
+                Some("shadow() is answered in light shaders alone; elsewhere nothing is in shadow".into())
+            }
+            _ => self.scene.textures.fault(name),
+        }
     }
 
     fn outside(&self, place: &str, index: f32, message: String) {

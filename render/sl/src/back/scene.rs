@@ -50,8 +50,8 @@ pub trait Scene {
     fn map(&self, _queries: &[MapQuery<'_>], values: &mut [[f32; 4]]) {
         values.fill([0.0; 4]);
     }
-    /// Why lookups in a map give 0, if they do because it cannot be read.
-    fn map_fault(&self, _how: Lookup, _name: &str) -> Option<String> {
+    /// Why lookups in a map give 0, if they do whatever is asked; `_along_ray` says that they are a light's, along its ray.
+    fn map_fault(&self, _how: Lookup, _name: &str, _along_ray: bool) -> Option<String> {
         None
     }
     /// The number by which the functions of a device know a map ([`crate::wgsl::Query::Map`]), below 2²⁴.

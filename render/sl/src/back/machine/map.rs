@@ -108,7 +108,7 @@ impl Machine {
             queries.push(query);
         }
         if !queries.is_empty() {
-            refused.extend(fault(*how, &name, ray.is_some(), scene));
+            refused.extend(scene.map_fault(*how, &name, ray.is_some()));
         }
         let mut values = vec![[0.0; 4]; queries.len()];
         scene.map(&queries, &mut values);
@@ -163,12 +163,4 @@ impl Machine {
         });
         self.regs[dst.index()] = out;
     }
-}
-
-/// Why lookups in a map give 0, if they do.
-fn fault(how: Lookup, name: &str, is_in_light: bool, scene: &dyn Scene) -> Option<String> {
-    if how == Lookup::Shadow && !is_in_light {
-        return Some("shadow() is answered in light shaders alone; elsewhere nothing is in shadow".into());
-    }
-    scene.map_fault(how, name)
 }
