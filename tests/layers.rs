@@ -62,6 +62,25 @@ fn coincident_spheres_cover_what_their_opacities_come_to() {
 }
 
 /// Panes that each let two colours through are opaque together; alpha is the mean of what is covered by channel.
+/// The layers of all samples lie at one depth, and those of each let nothing through together.
+#[test]
+fn flat_levels_of_detail_fade_in_time() {
+    let level = |range: &str, color: &str| {
+        format!(
+            "AttributeBegin Detail [-.5 .5 -.5 .5 0 0] DetailRange {range} Color [{color}] Disk 0 2 360 AttributeEnd\n"
+        )
+    };
+    let options = PLAIN.replace("PixelSamples 2 2", "PixelSamples 12 12");
+    // The box is 1024 pixels, half of the way.
+    let begun = std::time::Instant::now();
+    let p = render(&options, &(level("0 0 512 1536", "1 0 0") + &level("512 1536 1000000 1000000", "0 1 0")));
+    assert!(begun.elapsed().as_secs() < 60, "{:?}", begun.elapsed());
+    let mean = |c: usize| p.pixels.iter().map(|pixel| pixel[c]).sum::<f32>() / p.pixels.len() as f32;
+    for (c, expected) in [0.5, 0.5, 0.0, 1.0].into_iter().enumerate() {
+        assert!((mean(c) - expected).abs() < 0.01, "{c}: {}", mean(c));
+    }
+}
+
 #[test]
 fn alpha_is_that_of_each_channel() {
     let pane = |z: f32, opacity: &str| {

@@ -92,6 +92,72 @@ fn what_cannot_be_drawn_as_it_stands_is_said_with_its_place() {
     );
 }
 
+/// Of what a shader asks in vain, the place of the primitive and that in the shader are said.
+#[test]
+fn what_a_shader_asks_in_vain_is_said_with_both_places() {
+    let head =
+        format!("Display \"t.png\" \"png\" \"rgb\"\n{ORTHO}\nWorldBegin\nSurface \"t\"\n Disk 0 .8 360\nWorldEnd\n");
+    for (body, expected) in [
+        ("Ci = texture(\"no.png\");", "texture `no.png` cannot be read and is black"),
+        ("Ci = texture(\"no.png\", s, t);", "texture `no.png` cannot be read and is black"),
+        ("Ci = environment(\"no.png\", N);", "texture `no.png` cannot be read and is black"),
+        ("Ci = color(transform(\"nosuch\", P));", "names the unknown space `nosuch`; world space is taken"),
+        ("Ci = ctransform(concat(\"no\", \"such\"), Cs);", "unknown colour space `nosuch`"),
+        ("Ci = shadow(\"no.png\", P);", "shadow() is answered in light shaders alone"),
+        ("Ci = texture(\"\", s, t, \"foo\", 1);", "has the unknown option `foo`"),
+        // The surface's s and t are looked up at, whatever variables have their names.
+        ("uniform string t = \"no.png\"; Ci = texture(t[1]);", "texture `no.png` cannot be read and is black"),
+        ("uniform string t = \"no.png\"; if (u > 2) t = \"\"; Ci = texture(t[0]);", "texture `no.png` cannot be read"),
+        // An index of an array is that of its element.
+        ("string a[2] = {\"\", \"no.png\"}; Ci = texture(a[1], s, t);", "texture `no.png` cannot be read and is black"),
+        (
+            "string a[2] = {\"no.png\", \"\"}; Ci = texture(a[0][1], s, t);",
+            "texture `no.png` cannot be read and is black",
+        ),
+    ] {
+        let shader = format!("surface t() {{ Oi = 1;\n {body} }}");
+        let answer = said(&[("t.sl", shader.as_str())], &head);
+        let errors = answer.errors();
+        let placed = ["t.rib:5:2: ", "t.sl:2:", ": the shader `t`: "].iter().all(|place| errors.contains(place));
+        assert!(placed && errors.contains(expected), "{body}: {errors}");
+    }
+    for (body, expected) in [
+        ("string a[2] = {\"\", \"no.png\"}; Ci = texture(a, s, t);", "expected string, found an array"),
+        ("float a[2] = {0, 1}; Ci = texture(\"no.png\", a, t);", "expected float, found an array"),
+    ] {
+        let shader = format!("surface t() {{ Oi = 1;\n {body} }}");
+        let answer = said(&[("t.sl", shader.as_str())], &head);
+        let errors = answer.errors();
+        assert!(errors.contains("t.sl:2:") && errors.contains(expected), "{body}: {errors}");
+    }
+}
+
+#[test]
+fn numbers_that_are_not_those_expected_are_said_with_their_place() {
+    let head = format!("Display \"t.png\" \"png\" \"rgb\"\n{ORTHO}\nWorldBegin\n");
+    let part = "surface t() { float a[3] = {1, 2}; Oi = 1; Ci = a[2]; }";
+    for (world, expected) in [
+        ("Disk 0 .5 720\n", "t.rib:4:1: a quadric's sweep is 720°"),
+        ("Sphere .5 -.5 .5 -361\n", "t.rib:4:1: a quadric's sweep is -361°"),
+        ("Attribute \"visibility\" \"camera\" [2]\nDisk 0 .5 360\n", "t.rib:4:1: visibility `camera` is 2"),
+        ("version 9.9\nDisk 0 .5 360\n", "t.rib:4:1: version 9.9 of the RIB format"),
+        ("LightSource \"pointlight\" 1\nIlluminate 1 5\nDisk 0 .5 360\n", "t.rib:5:1: a flag is 5, expected 0 or 1"),
+        (
+            "Surface \"paintedplastic\" \"string texturename\" [\"a\" \"b\"]\nDisk 0 .5 360\n",
+            "t.rib:4:1: parameter `texturename` has 2 strings, expected 1",
+        ),
+        (
+            "Surface \"t\"\nDisk 0 .5 360\n",
+            "t.rib:4:1: surface shader `t` gives 2 values for the 3 of `a`: the rest are 0",
+        ),
+    ] {
+        let answer = said(&[("t.sl", part)], &format!("{head}{world}WorldEnd\n"));
+        assert!(answer.errors().contains(expected), "{world}: {}", answer.errors());
+    }
+    let answer = said(&[], "Display \"t.png\" \"png\" \"rgb\"\nFormat 8 8 0\nWorldBegin\nWorldEnd\n");
+    assert!(answer.errors().contains("t.rib:2:1: the pixel aspect ratio is 0"), "{}", answer.errors());
+}
+
 /// Infinite colours are said, and are in the image as the greatest numbers: none is made of them that is no number.
 #[test]
 fn infinite_colours_are_said_and_are_numbers() {

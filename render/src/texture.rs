@@ -76,7 +76,7 @@ pub struct Textures {
     folders: Vec<PathBuf>,
     /// What `MakeTexture` and its kin named.
     made: Made,
-    loaded: Mutex<HashMap<String, Option<Arc<Map>>>>,
+    loaded: Mutex<HashMap<String, Result<Arc<Map>, String>>>,
     /// Those that graphics devices are given, in the order of their numbers, from 1.
     numbered: Mutex<Vec<String>>,
     /// Bytes that textures may take in memory.
@@ -124,8 +124,8 @@ impl Textures {
         Textures { folders, made, loaded: Mutex::default(), numbered: Mutex::default(), memory, encoded, cache }
     }
 
-    /// A texture by its name; the first failure is a warning.
-    fn get(&self, name: &str, warnings: &Warnings) -> Option<Arc<Map>> {
+    /// A texture by its name, or why there is none.
+    fn get(&self, name: &str) -> Result<Arc<Map>, String> {
         let mut loaded = self.loaded.lock().unwrap_or_else(|e| e.into_inner());
         if let Some(known) = loaded.get(name) {
             return known.clone();
@@ -151,17 +151,15 @@ impl Textures {
             }
             None => read(&PathBuf::from(name), [Wrap::Black; 2]).map(Map::Image),
         };
-        if let Err(message) = &map {
-            warnings.add(format!("texture `{name}` cannot be read and is black: {message}"));
-        }
-        let map = map.ok().map(Arc::new);
+        let said = |message| format!("texture `{name}` cannot be read and is black: {message}");
+        let map = map.map(Arc::new).map_err(said);
         loaded.insert(name.into(), map.clone());
         map
     }
 
     /// Width and height of a texture, or of a face of it, and how many channels it has, if it can be read.
     pub fn size(&self, name: &str, warnings: &Warnings) -> Option<([f32; 2], f32)> {
-        let map = self.get(name, warnings)?;
+        let map = self.get(name).map_err(|message| warnings.add(message)).ok()?;
         let first = match &*map {
             Map::Image(image) => image,
             Map::Cube(faces, _) => &faces[0],
@@ -211,7 +209,7 @@ impl Textures {
         warnings: &Warnings,
         visit: impl FnOnce(&[TextureLevels<'_>], f32) -> R,
     ) -> Option<R> {
-        let map = self.get(name, warnings)?;
+        let map = self.get(name).map_err(|why| warnings.add(why)).ok()?;
         fn of(texture: &Texture) -> TextureLevels<'_> {
             TextureLevels { levels: &texture.levels, wrap: texture.wrap.map(|w| w as u32) }
         }
@@ -221,13 +219,19 @@ impl Textures {
         })
     }
 
-    /// Four channels of a map at a place.
-    pub fn look_up(&self, q: &MapQuery, warnings: &Warnings) -> [f32; 4] {
+    /// Why a map is black, if it cannot be read.
+    pub fn fault(&self, name: &str) -> Option<String> {
+        // Shaders whose map is optional ask for none.
+        if name.is_empty() { None } else { self.get(name).err() }
+    }
+
+    /// Four channels of a map at a place; of one that cannot be read they are 0.
+    pub fn look_up(&self, q: &MapQuery) -> [f32; 4] {
         // Shaders whose map is optional ask for none.
         if q.name.is_empty() {
             return [0.0; 4];
         }
-        let Some(map) = self.get(q.name, warnings) else { return [0.0; 4] };
+        let Ok(map) = self.get(q.name) else { return [0.0; 4] };
         let (texture, at, change) = match (&*map, q.how) {
             (Map::Cube(faces, tangent), _) => {
                 let (face, here) = cube_place(q.at, *tangent);

@@ -200,7 +200,11 @@ impl<'a> Arguments<'a> {
 
     /// A switch: 0 or 1.
     pub(crate) fn flag(&mut self) -> Result<bool, Fail> {
-        Ok(self.number()? != 0.0)
+        let x = self.number()?;
+        if x != 0.0 && x != 1.0 {
+            self.warn(&format!("a flag of {x}"), &format!("a flag is {x}, expected 0 or 1: it counts as 1"));
+        }
+        Ok(x != 0.0)
     }
 
     /// Exactly `N` numbers, with or without brackets.

@@ -70,6 +70,12 @@ impl Context {
             user.push((key, answer));
             self.sets(Attribute::User);
             let number = param.numbers().first().copied();
+            if let ("visibility", what, Some(on)) = (name, param.decl.name.as_str(), number)
+                && on != 0.0
+                && on != 1.0
+            {
+                self.scene.warn(format!("visibility `{what}` is {on}, expected 0 or 1: it counts as 1"));
+            }
             match (name, param.decl.name.as_str(), number) {
                 ("displacementbound", "sphere" | "coordinatesystem", _) => {}
                 ("trimcurve", "sense", _) => self.set_trim_sense(param.text())?,

@@ -14,7 +14,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 impl Ri for Context {
-    fn version(&mut self, _: f32) -> RiResult {
+    fn version(&mut self, number: f32) -> RiResult {
+        if !(3.0..4.0).contains(&number) {
+            self.scene.warn(format!("version {number} of the RIB format, expected 3.04: it is read as that"));
+        }
         Ok(())
     }
     fn declare(&mut self, name: &str, declaration: &str) -> RiResult {

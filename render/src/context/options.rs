@@ -50,7 +50,11 @@ impl Context {
             return Err(Fail::new(format!("format {width}×{height}: expected at most {max} million pixels")));
         }
         self.options.format = [width as usize, height as usize];
-        self.options.pixel_aspect = if aspect > 0.0 { aspect } else { 1.0 };
+        // Below 0 is that of the device (RISpec 4.1.2).
+        if aspect == 0.0 || !aspect.is_finite() {
+            self.scene.warn(format!("the pixel aspect ratio is {aspect}, expected above 0: 1 is taken"));
+        }
+        self.options.pixel_aspect = if aspect > 0.0 && aspect.is_finite() { aspect } else { 1.0 };
         self.options.fit_frame();
         Ok(())
     }

@@ -152,8 +152,8 @@ impl Context {
     }
 
     pub(super) fn draw_patch(&mut self, kind: &str, params: Params) -> RiResult {
-        if kind == "bicubic" && is_rational(&params) {
-            return self.draw_rational_patch(params);
+        if matches!(kind, "bilinear" | "bicubic") && is_rational(&params) {
+            return self.draw_rational_patch(kind == "bicubic", params);
         }
         let n = if kind == "bicubic" { 4 } else { 2 };
         let params = self.with_heights(weighted(params)?, kind, [n; 2])?;
@@ -193,8 +193,8 @@ impl Context {
         }
         let sizes = [nu.max(0) as usize, nv.max(0) as usize];
         let wraps = [periodic(u_wrap)?, periodic(v_wrap)?];
-        if kind == "bicubic" && is_rational(&params) {
-            return self.draw_rational_mesh(sizes, wraps, params);
+        if is_rational(&params) {
+            return self.draw_rational_mesh(kind == "bicubic", sizes, wraps, params);
         }
         let params = self.with_heights(weighted(params)?, kind, sizes)?;
         let points = positions(&params)?;

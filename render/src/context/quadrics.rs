@@ -21,6 +21,7 @@ impl Context {
         let is_whole = z_min <= -r && z_max >= r && sweep.abs() >= 360.0;
         let own_corners = self.texture_corners() == TEXTURE_CORNERS;
         if is_whole && !varies && own_corners && self.motion.is_none() && !is_projective(&self.transform) {
+            self.say_sweep(sweep);
             let uniform = uniform_numbers(params)?;
             return self.add_spheres(one_sphere(r), uniform, false);
         }
@@ -29,6 +30,13 @@ impl Context {
     }
 
     /// A quadric: a profile, swept.
+    /// Warn of a sweep of more than a whole turn.
+    fn say_sweep(&self, sweep: f32) {
+        if sweep.is_finite() && sweep.abs() > 360.0 {
+            self.scene.warn(format!("a quadric's sweep is {sweep}°, expected at most 360: it is one turn"));
+        }
+    }
+
     pub(super) fn quadric(&mut self, outline: Outline, sweep: f32, params: Params) -> RiResult {
         self.say_texts(&params);
         let quadric = Quadric { outline, sweep };
@@ -39,6 +47,7 @@ impl Context {
         if sweep == 0.0 {
             return Err(Fail::new("the quadric's numbers make no surface"));
         }
+        self.say_sweep(sweep);
         let mut patches = quadric_patches(&quadric, quadric.pieces())?;
         if patches.iter().all(has_no_area) {
             self.scene.warn("a quadric whose numbers make no area is not seen".into());

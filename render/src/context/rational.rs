@@ -1,4 +1,4 @@
-//! Bicubic patches and meshes of homogeneous points of unequal weights: each patch as a NURBS patch of one span (RISpec 5.3).
+//! Patches and meshes of homogeneous points of unequal weights: each patch as a NURBS patch of one span (RISpec 5.3).
 
 use crate::context::state::Context;
 use crate::gprim::basis::to_bezier;
@@ -11,7 +11,8 @@ use ri::{Class, Fail, Knots, Param, Params, RiResult, Type, Values};
 struct Part {
     face: usize,
     corners: [usize; 4],
-    controls: [usize; 16],
+    /// None if it is bilinear: its control points are its corners.
+    controls: Option<[usize; 16]>,
 }
 
 impl Part {
@@ -32,7 +33,10 @@ impl Part {
                 decl.class = Class::Varying;
                 pick(&[0, 1, 2, 3].map(|k| 4 * self.face + k))?
             }
-            Class::Vertex => bezier_net(&pick(&self.controls)?, width, bases),
+            Class::Vertex => match &self.controls {
+                Some(controls) => bezier_net(&pick(controls)?, width, bases),
+                None => pick(&self.corners)?,
+            },
         };
         Ok(Param { decl, values: Values::Floats(values) })
     }
@@ -49,14 +53,19 @@ fn bezier_net(values: &[f32], width: usize, bases: &([f32; 16], [f32; 16])) -> V
 }
 
 impl Context {
-    /// A bicubic mesh of points "Pw".
-    pub(super) fn draw_rational_mesh(&mut self, sizes: [usize; 2], wraps: [bool; 2], params: Params) -> RiResult {
+    /// A mesh of points "Pw".
+    pub(super) fn draw_rational_mesh(
+        &mut self,
+        bicubic: bool,
+        sizes: [usize; 2],
+        wraps: [bool; 2],
+        params: Params,
+    ) -> RiResult {
         let bases = self.geometry.bases;
         let points = positions(&weighted(params.clone())?)?;
-        let mesh = patch_mesh(true, &points, sizes, wraps, &bases, self.geometry.steps)?;
+        let mesh = patch_mesh(bicubic, &points, sizes, wraps, &bases, self.geometry.steps)?;
         let (mut all, mut names) = (vec![], VariableNames::default());
         for (face, (patch, corners, controls)) in mesh.into_iter().enumerate() {
-            let Some(controls) = controls else { continue };
             let part = Part { face, corners, controls };
             // Parameters go over the mesh, and so do texture coordinates unless they are given.
             let [from, until] = [patch.uv[0], patch.uv[3]];
@@ -69,10 +78,7 @@ impl Context {
             for param in &params {
                 own.push(part.of(param, &bases)?);
             }
-            let knots = |k: usize| {
-                let knots = [[from[k]; 4], [until[k]; 4]].concat();
-                Knots { n: 4, order: 4, knots, range: [from[k], until[k]] }
-            };
+            let knots = |k: usize| one_span(bicubic, [from[k], until[k]]);
             let (patches, own) = self.nu_patches(knots(0), knots(1), own)?;
             all.extend(patches);
             names = own;
@@ -80,22 +86,36 @@ impl Context {
         self.add_patches(all, names)
     }
 
-    /// A bicubic patch of homogeneous points of unequal weights: as a NURBS patch of one span.
-    pub(super) fn draw_rational_patch(&mut self, params: Params) -> RiResult {
+    /// A patch of homogeneous points of unequal weights: as a NURBS patch of one span.
+    pub(super) fn draw_rational_patch(&mut self, bicubic: bool, params: Params) -> RiResult {
         let bases = self.geometry.bases;
+        let n = if bicubic { 16 } else { 4 };
         let as_bezier = |param: Param| -> Result<Param, Fail> {
             let (width, v) = (param.decl.width(), param.numbers());
             if param.decl.class != Class::Vertex {
                 return Ok(param);
             }
-            if v.len() != 16 * width {
+            if v.len() != n * width {
                 return Err(too_few(&param));
+            }
+            if !bicubic {
+                return Ok(param);
             }
             let values = Values::Floats(bezier_net(v, width, &bases));
             Ok(Param { decl: param.decl, values })
         };
         let params = params.into_iter().map(as_bezier).collect::<Result<Params, Fail>>()?;
-        let knots = || Knots { n: 4, order: 4, knots: vec![0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0], range: [0.0, 1.0] };
+        if !bicubic {
+            positions(&weighted(params.clone())?)?;
+        }
+        let knots = || one_span(bicubic, [0.0, 1.0]);
         self.draw_nu_patch(knots(), knots(), params)
     }
+}
+
+/// The knots of one span, cubic or linear, over a range of the parameter.
+fn one_span(cubic: bool, range: [f32; 2]) -> Knots {
+    let order = if cubic { 4 } else { 2 };
+    let knots = range.iter().flat_map(|end| vec![*end; order as usize]).collect();
+    Knots { n: order, order, knots, range }
 }

@@ -100,7 +100,13 @@ impl Context {
             };
             let wanted = program.params[i].kind;
             match param.values {
-                Values::Strings(v) if wanted == Kind::Text => texts.push((i, v[0].clone())),
+                Values::Strings(v) if wanted == Kind::Text => {
+                    let (name, n) = (&param.decl.name, program.params[i].array.unwrap_or(1) as usize);
+                    if v.is_empty() || v.len() > n {
+                        return Err(Fail::new(format!("parameter `{name}` has {} strings, expected {n}", v.len())));
+                    }
+                    texts.push((i, v[0].clone()))
+                }
                 Values::Floats(v) if wanted != Kind::Text => {
                     let array = program.params[i].array;
                     numbers.push((i, self.to_current(wanted, array, &v, &param.decl.name)?))

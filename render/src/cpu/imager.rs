@@ -4,7 +4,7 @@ use crate::film::image;
 use crate::scene::options::Options;
 use crate::scene::world::Scene;
 use sl::Global;
-use sl::ir::Ask;
+use sl::ir::{Ask, Lookup};
 use sl::machine::{Answer, BoundShader, Machine, MapQuery, Points};
 use std::sync::Arc;
 
@@ -22,7 +22,10 @@ impl sl::machine::Scene for ImagerScene<'_> {
         self.0.matrix(from, to, &|_| None)
     }
     fn map(&self, queries: &[MapQuery<'_>], values: &mut [[f32; 4]]) {
-        queries.iter().zip(values).for_each(|(query, value)| *value = self.0.textures.look_up(query, &self.0.warnings));
+        queries.iter().zip(values).for_each(|(query, value)| *value = self.0.textures.look_up(query));
+    }
+    fn map_fault(&self, _: Lookup, name: &str, _: bool) -> Option<String> {
+        self.0.textures.fault(name)
     }
     fn ask(&self, what: Ask, names: &[&str]) -> Option<Answer> {
         self.0.ask(what, names)

@@ -203,11 +203,8 @@ impl<'a> View<'a> {
         match (query.how, query.light) {
             // Whatever map is named, shadows are traced: along the light's ray, which ends at the place asked for.
             (Lookup::Shadow, Some(from)) => [1.0 - self.light_from(query, from.into()); 4],
-            (Lookup::Shadow, None) => {
-                self.scene.warn("shadow() is answered in light shaders alone; elsewhere nothing is in shadow".into());
-                [0.0; 4]
-            }
-            _ => self.scene.textures.look_up(query, &self.scene.warnings),
+            (Lookup::Shadow, None) => [0.0; 4],
+            _ => self.scene.textures.look_up(query),
         }
     }
 
@@ -297,7 +294,9 @@ impl View<'_> {
             "lightsource" => None,
             other => {
                 let expected = "surface, displacement, atmosphere, interior, exterior or lightsource";
-                self.scene.warn(format!("shadername(\"{other}\") names no type of shader, expected {expected}"));
+                let source = self.item.source;
+                self.scene
+                    .warn_of(source, format!("shadername(\"{other}\") names no type of shader, expected {expected}"));
                 None
             }
         }
@@ -395,7 +394,17 @@ impl sl::machine::Scene for View<'_> {
     }
 
     fn warn(&self, message: String) {
-        self.scene.warn(message);
+        self.scene.warn_of(self.item.source, message);
+    }
+
+    fn map_fault(&self, how: Lookup, name: &str, along_ray: bool) -> Option<String> {
+        match how {
+            Lookup::Shadow if along_ray => None,
+            Lookup::Shadow => {
+                Some("shadow() is answered in light shaders alone; elsewhere nothing is in shadow".into())
+            }
+            _ => self.scene.textures.fault(name),
+        }
     }
 
     fn outside(&self, place: &str, index: f32, message: String) {

@@ -53,6 +53,8 @@ pub struct Scene {
     pub unfinite: Mutex<BTreeMap<String, (usize, u32)>>,
     /// The same of opacities below 0 or above 1.
     pub beyond: Mutex<BTreeMap<String, (usize, u32)>>,
+    /// What is said of shaders, and the first source that is shaded so.
+    pub said: Mutex<BTreeMap<String, u32>>,
     /// Of each place of a shader whose index is out of its range, the least such index, and what is said of it.
     pub outside: Mutex<BTreeMap<String, (f32, String)>>,
     /// Displacement bounds that are needed, by shader, each with the source that needs it.
@@ -211,18 +213,12 @@ impl Scene {
         }
     }
 
-    /// The matrix from one named space to another; `own` knows those of who asks.
+    /// The matrix from one named space to another, if both are known; `own` knows those of who asks.
     pub fn matrix(&self, from: &str, to: &str, own: &dyn Fn(&str) -> Option<Mat4>) -> Option<[f32; 16]> {
         let to_world = |space: &str| match space {
             "current" | "world" => Some(Mat4::IDENTITY),
             "camera" | "eye" => Some(self.camera_to_world),
-            named => {
-                let found = own(named).or_else(|| self.spaces.get(named).copied());
-                if found.is_none() {
-                    self.warn(format!("a shader names the unknown space `{named}`; world space is taken"));
-                }
-                found
-            }
+            named => own(named).or_else(|| self.spaces.get(named).copied()),
         };
         Some((to_world(to)?.inverse() * to_world(from)?).to_cols_array())
     }
@@ -269,6 +265,13 @@ impl Scene {
         note_points(&self.beyond, shader, n, source);
     }
 
+    /// Add a warning about a shader that runs on a source: it is said once, with the place of the first.
+    pub fn warn_of(&self, source: u32, message: String) {
+        let mut known = self.said.lock().unwrap_or_else(|e| e.into_inner());
+        let first = known.entry(message).or_insert(source);
+        *first = source.min(*first);
+    }
+
     /// Note an index that is out of its range at a place of a shader: each place is warned of once.
     pub fn outside(&self, place: &str, index: f32, message: String) {
         let mut known = self.outside.lock().unwrap_or_else(|e| e.into_inner());
@@ -293,6 +296,9 @@ impl Scene {
                     "displacement `{shader}` reaches farther than its bound, so that some of it may be missing: `Attribute \"displacementbound\" \"sphere\" [{bound}]` is needed"
                 ),
             );
+        }
+        for (message, source) in std::mem::take(&mut *self.said.lock().unwrap_or_else(|e| e.into_inner())) {
+            self.warnings.add_at(spot(source), message);
         }
         for (_, (_, message)) in std::mem::take(&mut *self.outside.lock().unwrap_or_else(|e| e.into_inner())) {
             self.warn(message);

@@ -50,6 +50,10 @@ pub trait Scene {
     fn map(&self, _queries: &[MapQuery<'_>], values: &mut [[f32; 4]]) {
         values.fill([0.0; 4]);
     }
+    /// Why lookups in a map give 0, if they do whatever is asked; `_along_ray` says that they are a light's, along its ray.
+    fn map_fault(&self, _how: Lookup, _name: &str, _along_ray: bool) -> Option<String> {
+        None
+    }
     /// The number by which the functions of a device know a map ([`crate::wgsl::Query::Map`]), below 2²⁴.
     fn map_number(&self, _how: Lookup, _name: &str) -> u32 {
         0
@@ -169,6 +173,12 @@ pub(super) const OPTIONS: [&str; 10] =
 pub(super) fn unknown_option(map: &str, key: &str) -> String {
     let known = OPTIONS.join(", ");
     format!("a lookup in the map `{map}` has the unknown option `{key}`, expected {known}")
+}
+
+/// What is said of the first of two spaces that a scene does not know.
+pub(super) fn unknown_space(scene: &dyn Scene, spaces: [&str; 2]) -> Option<String> {
+    let unknown = spaces.into_iter().find(|space| scene.matrix(space, space).is_none())?;
+    Some(format!("names the unknown space `{unknown}`; world space is taken"))
 }
 
 /// A lookup in a map at one point.

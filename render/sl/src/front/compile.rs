@@ -36,6 +36,9 @@ fn places(program: &Program, sources: &Sources) -> Vec<(u32, String)> {
         | ir::Op::Store(.., at)
         | ir::Op::TextLoad(.., at)
         | ir::Op::TextStore(.., at)
+        | ir::Op::ColorSpace(.., at)
+        | ir::Op::Transform(.., at)
+        | ir::Op::Map { place: at, .. }
         | ir::Op::Format(.., at) => found.push(*at),
         _ => {}
     };

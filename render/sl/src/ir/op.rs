@@ -104,8 +104,8 @@ pub enum Op {
     TextLoad(TextReg, TextReg, u16, FloatReg, u32),
     /// Assign to an element of an array of strings: first element, length, index, value, byte of the source.
     TextStore(TextReg, u16, FloatReg, TextReg, u32),
-    /// Convert a colour between colour spaces: result, colour, from, to.
-    ColorSpace(TripleReg, TripleReg, TextReg, TextReg),
+    /// Convert a colour between colour spaces: result, colour, from, to, byte of the source.
+    ColorSpace(TripleReg, TripleReg, TextReg, TextReg, u32),
     /// Evaluate a spline: result, basis, then the parameter and the knots.
     Spline(Reg, TextReg, Vec<Reg>),
     /// Whether a string matches a pattern: result, pattern, string.
@@ -141,11 +141,14 @@ pub enum Op {
         at: Vec<Reg>,
         /// Optional parameters by name, such as `width` and `blur`.
         options: Vec<(TextReg, Operand)>,
+        /// Byte of the source.
+        place: u32,
     },
     /// Call a shading function: function, result, arguments.
     Call(Builtin, Reg, Vec<Reg>),
-    /// Change the coordinate system: rule, result, operand, name of the system it is in, name of the new one.
-    Transform(Transform, Reg, Reg, TextReg, TextReg),
+    /// Change the coordinate system: rule, result, operand, name of the system it is in, name of the new one, byte
+    /// of the source.
+    Transform(Transform, Reg, Reg, TextReg, TextReg, u32),
     /// `if`: condition, block where it is not 0, block where it is 0.
     If(FloatReg, Vec<Op>, Vec<Op>),
     /// `for` and `while`: operations that compute the condition, condition, body, step, byte of the source.

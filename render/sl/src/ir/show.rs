@@ -64,7 +64,7 @@ fn one(f: &mut Formatter<'_>, op: &Op, depth: usize) -> Result {
         Op::Store(first, n, i, v, _) => writeln!(f, "{first}..{}[{i}] := {v}", first.index() + *n as usize),
         Op::TextLoad(t, first, n, i, _) => writeln!(f, "{t} = {first}..{}[{i}]", first.index() + *n as usize),
         Op::TextStore(first, n, i, v, _) => writeln!(f, "{first}..{}[{i}] := {v}", first.index() + *n as usize),
-        Op::ColorSpace(r, a, from, to) => writeln!(f, "{r} = colour {a} {from} {to}"),
+        Op::ColorSpace(r, a, from, to, _) => writeln!(f, "{r} = colour {a} {from} {to}"),
         Op::Spline(r, basis, args) => writeln!(f, "{r} = spline {basis}{}", list(args)),
         Op::Match(r, a, b) => writeln!(f, "{r} = match {a} {b}"),
         Op::Format(t, args, _) => writeln!(f, "{t} = format{}", list(args)),
@@ -74,12 +74,12 @@ fn one(f: &mut Formatter<'_>, op: &Op, depth: usize) -> Result {
             let len = if *len > 1 { format!("[{len}]") } else { String::new() };
             writeln!(f, "{dst} = ask {}{names} -> {out}{len}", name(what))
         }
-        Op::Map { dst, how, name: map, channel, at, options } => {
+        Op::Map { dst, how, name: map, channel, at, options, .. } => {
             let options: String = options.iter().map(|(k, v)| format!(" {k}={v}")).collect();
             writeln!(f, "{dst} = {} {map}[{channel}]{}{options}", name(how), list(at))
         }
         Op::Call(b, r, args) => writeln!(f, "{r} = {}{}", b.row().ir, list(args)),
-        Op::Transform(how, r, a, from, to) => writeln!(f, "{r} = transform {} {a} {from} {to}", name(how)),
+        Op::Transform(how, r, a, from, to, _) => writeln!(f, "{r} = transform {} {a} {from} {to}", name(how)),
         Op::If(c, then, otherwise) => {
             writeln!(f, "if {c}")?;
             block(f, then, depth + 1)?;

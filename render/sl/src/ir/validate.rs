@@ -216,7 +216,7 @@ impl Check<'_> {
                 }
                 self.write(*dst)
             }
-            Op::Transform(how, dst, a, from, to) => {
+            Op::Transform(how, dst, a, from, to, _) => {
                 let width = if *how == Transform::Matrix { 16 } else { 3 };
                 if a.width() != width || dst.width() != width {
                     return Err(format!("registers {} and {} change no space", dst.index(), a.index()));
@@ -226,7 +226,7 @@ impl Check<'_> {
                 self.read_text(*to)?;
                 self.write(*dst)
             }
-            Op::ColorSpace(dst, a, from, to) => {
+            Op::ColorSpace(dst, a, from, to, _) => {
                 self.read(*a)?;
                 self.read_text(*from)?;
                 self.read_text(*to)?;

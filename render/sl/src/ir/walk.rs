@@ -109,11 +109,11 @@ pub fn reads(op: &Op, f: &mut dyn FnMut(Operand)) {
             first.array(*len).chain([*v]).for_each(|r| f(Text(r)));
             numbers(&[*i], f);
         }
-        Op::Transform(_, _, a, from, to) => {
+        Op::Transform(_, _, a, from, to, _) => {
             f(Number(*a));
             [*from, *to].into_iter().for_each(|r| f(Text(r)));
         }
-        Op::ColorSpace(_, a, from, to) => {
+        Op::ColorSpace(_, a, from, to, _) => {
             numbers(&[*a], f);
             [*from, *to].into_iter().for_each(|r| f(Text(r)));
         }

@@ -381,8 +381,8 @@ impl Packed {
                 is_closed = Left::behind(&self.layers[front]).is_below(CLOSED);
             }
             if is_closed || left.is_below(SURELY_CLOSED) {
-                let of_group = self.layers.iter_mut().rev().take_while(|v| v.z == z);
-                of_group.for_each(|v| v.last = true);
+                // Those of this sample alone, however many others lie at this depth.
+                self.layers[start..].iter_mut().for_each(|v| v.last = true);
                 return Some(z);
             }
         }

@@ -1,7 +1,7 @@
 //! Maps, and changes of space.
 
 use super::super::bound::known_as;
-use super::super::scene::{MapQuery, OPTIONS, Scene, unknown_option};
+use super::super::scene::{MapQuery, OPTIONS, Scene, unknown_option, unknown_space};
 use super::state::Machine;
 use crate::ir::*;
 use crate::shadeop::grid::{differences, over};
@@ -24,13 +24,13 @@ impl Given<'_> {
 }
 
 impl Machine {
-    /// The options of a lookup in a map; others than [`OPTIONS`] are warned of.
-    fn map_options(&self, map: &str, options: &[(TextReg, Operand)], scene: &dyn Scene) -> Given<'_> {
+    /// The options of a lookup in a map; what is said of others than [`OPTIONS`].
+    fn map_options(&self, map: &str, options: &[(TextReg, Operand)], unknown: &mut Vec<String>) -> Given<'_> {
         let mut given = Given([None; OPTIONS.len()]);
         for (key, value) in options {
             let key = &self.texts[key.index()];
             let Some(k) = OPTIONS.iter().position(|option| option == key) else {
-                scene.warn(unknown_option(map, key));
+                unknown.push(unknown_option(map, key));
                 continue;
             };
             given.0[k] = match value {
@@ -42,11 +42,12 @@ impl Machine {
     }
 
     pub(super) fn map(&mut self, op: &Op, scene: &dyn Scene) {
-        let Op::Map { dst, how, name, channel, at: place, options } = op else { return };
+        let Op::Map { dst, how, name, channel, at: place, options, place: byte } = op else { return };
         let n = self.n;
         let wd = dst.width();
         let name = self.texts[name.index()].clone();
-        let given = self.map_options(&name, options, scene);
+        let mut refused = vec![];
+        let given = self.map_options(&name, options, &mut refused);
         let mut query = MapQuery {
             how: *how,
             name: &name,
@@ -106,6 +107,9 @@ impl Machine {
             points.push(k);
             queries.push(query);
         }
+        if !queries.is_empty() {
+            refused.extend(scene.map_fault(*how, &name, ray.is_some()));
+        }
         let mut values = vec![[0.0; 4]; queries.len()];
         scene.map(&queries, &mut values);
         let mut out = vec![0.0; wd * lanes];
@@ -113,20 +117,31 @@ impl Machine {
             (0..wd).for_each(|c| out[c * lanes + k] = value[c]);
         }
         self.regs[dst.index()] = out;
+        refused.into_iter().for_each(|message| self.refuse(*byte, message));
     }
 
-    #[allow(clippy::too_many_arguments)]
+    /// Note what was asked in vain at a place of the shader.
+    pub(super) fn refuse(&mut self, place: u32, message: String) {
+        if !self.refused.iter().any(|known| known.0 == place && known.1 == message) {
+            self.refused.push((place, message));
+        }
+    }
+
     pub(super) fn transform(
         &mut self,
         how: Transform,
-        dst: Reg,
-        a: Reg,
-        from: TextReg,
-        to: TextReg,
+        (dst, a): (Reg, Reg),
+        spaces: [TextReg; 2],
+        place: u32,
         scene: &dyn Scene,
     ) {
-        let space = |name: TextReg| known_as(self.own_space.as_deref(), &self.texts[name.index()]);
-        let matrix = scene.matrix(space(from), space(to));
+        let [from, to] = spaces.map(|name| known_as(self.own_space.as_deref(), &self.texts[name.index()]));
+        let matrix = scene.matrix(from, to);
+        if matrix.is_none()
+            && let Some(message) = unknown_space(scene, [from, to])
+        {
+            self.refuse(place, message);
+        }
         let m = glam::Mat4::from_cols_array(&matrix.unwrap_or(glam::Mat4::IDENTITY.to_cols_array()));
         if how == Transform::Matrix {
             return self.evaluate(dst, &[a], |call, out| {

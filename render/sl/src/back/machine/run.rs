@@ -67,7 +67,7 @@ impl Machine {
         }
     }
 
-    /// Say what went wrong in a run: loops that do not end, an index out of its range.
+    /// Say what went wrong in a run: loops that do not end, an index out of its range, what the scene has not.
     pub(super) fn say_faults(&mut self, program: &Program, scene: &dyn Scene) {
         if let Some((_, place)) = self.endless.take() {
             scene.stop(&format!("the loops of the shader `{}` do not end, in {}", program.name, program.place(place)));
@@ -75,6 +75,9 @@ impl Machine {
         if let Some(place) = self.overlong.take() {
             let (name, place) = (&program.name, program.place(place));
             scene.stop(&format!("a string of the shader `{name}` grows beyond 64 KiB, in {place}"));
+        }
+        for (place, message) in std::mem::take(&mut self.refused) {
+            scene.warn(format!("{}: the shader `{}`: {message}", program.place(place), program.name));
         }
         if let Some(Beyond { what, index, len, place }) = self.beyond.take() {
             let (most, place, name) = (len - 1, program.place(place), &program.name);
@@ -256,11 +259,12 @@ impl Machine {
                     self.texts[first.index() + k] = self.texts[value.index()].clone();
                 }
             }
-            Op::ColorSpace(dst, a, from, to) => {
+            Op::ColorSpace(dst, a, from, to, place) => {
                 let (from, to) = (self.texts[from.index()].clone(), self.texts[to.index()].clone());
                 if let Some(lost) = [&from, &to].into_iter().find(|space| !SPACES.contains(&space.as_str())) {
                     let known = SPACES.join(", ");
-                    scene.warn(format!("unknown colour space `{lost}`, expected one of {known}: it counts as rgb"));
+                    let message = format!("unknown colour space `{lost}`, expected one of {known}: it counts as rgb");
+                    self.refuse(*place, message);
                 }
                 self.evaluate((*dst).into(), &[(*a).into()], |call, out| {
                     call.pointwise(out, |v| triple16(convert(&from, &to, [v[0][0], v[0][1], v[0][2]])))
@@ -295,7 +299,9 @@ impl Machine {
             }
             Op::Ask { dst, what, names, out, len } => self.ask(*dst, *what, names, *out, *len, scene),
             Op::Map { .. } => self.map(op, scene),
-            Op::Transform(how, dst, a, from, to) => self.transform(*how, *dst, *a, *from, *to, scene),
+            Op::Transform(how, dst, a, from, to, place) => {
+                self.transform(*how, (*dst, *a), [*from, *to], *place, scene)
+            }
             Op::If(c, then, otherwise) => self.branch(*c, then, otherwise, scene),
             Op::Loop(head, c, body, step, place) => self.repeat(head, *c, body, step, *place, scene),
             Op::Break(levels) => self.leave(*levels as usize, true),

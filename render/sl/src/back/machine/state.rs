@@ -92,6 +92,8 @@ pub struct Machine {
     pub(super) endless: Option<(u32, u32)>,
     /// Where a string grew too long, as a byte of the source.
     pub(super) overlong: Option<u32>,
+    /// What was asked of the scene in vain: the byte of the source, and what is said.
+    pub(super) refused: Vec<(u32, String)>,
     /// What shaders that ran before tell this one.
     pub(super) messages: Vec<Message>,
     pub(super) receiver: Option<Receiver>,

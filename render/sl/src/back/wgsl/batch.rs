@@ -2,12 +2,12 @@
 
 use super::super::bound::{Answer, BoundShader};
 use super::super::points::Points;
-use super::super::scene::{Scene, unset};
+use super::super::scene::{Scene, unknown_space, unset};
 use super::super::slots::VariableSlots;
 use super::kernel::{Kernel, Shader, Target};
 use super::module::{Refused, Slot};
 use super::texts::ask;
-use crate::ir::{Ask, Global, Operand, Parameter};
+use crate::ir::{Ask, Global, Operand, Parameter, Program};
 use glam::{Mat3, Mat4};
 use std::sync::Arc;
 
@@ -253,7 +253,14 @@ impl<'k> Batch<'k> {
     /// What a shader asks of the scene.
     fn answer(&mut self, slot: &Slot, bound: &BoundShader, points: &Points, scene: &dyn Scene) -> Row {
         let matrix = |from: &str, to: &str| {
-            let found = scene.matrix(bound.space_of(from), bound.space_of(to));
+            let spaces = [from, to].map(|space| bound.space_of(space));
+            let found = scene.matrix(spaces[0], spaces[1]);
+            if found.is_none()
+                && let Some(message) = unknown_space(scene, spaces)
+            {
+                let Program { file, name, .. } = &*bound.program;
+                scene.warn(format!("{file}: the shader `{name}`: {message}"));
+            }
             found.map_or(Mat4::IDENTITY, |m| Mat4::from_cols_array(&m))
         };
         let (values, kind) = match slot {

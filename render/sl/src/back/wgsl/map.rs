@@ -18,7 +18,7 @@ struct Options {
 
 impl Writer<'_, '_> {
     pub fn map(&mut self, op: &Op) -> Done {
-        let Op::Map { dst, how, name, channel, at, options } = op else { return Ok(()) };
+        let Op::Map { dst, how, name, channel, at, options, .. } = op else { return Ok(()) };
         let name = self.text(*name, "the name of a map")?;
         if !self.module.uses(Query::Map) {
             let kind = format!("{how:?}").to_lowercase();

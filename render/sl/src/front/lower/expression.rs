@@ -103,14 +103,16 @@ impl<'a> Lower<'a> {
                 }
                 let (from, to) = (self.text(at, space)?, self.text(at, "rgb")?);
                 return self.temp(at, ty, value.varying, |r| {
-                    Op::ColorSpace(r.triple(), value.triple(), from.text(), to.text())
+                    Op::ColorSpace(r.triple(), value.triple(), from.text(), to.text(), at as u32)
                 });
             }
             Ty::Matrix => Transform::Matrix,
             _ => return error(at, format!("a {} has no space", ty.name())),
         };
         let (from, to) = (self.text(at, space)?, self.text(at, "current")?);
-        self.temp(at, ty, value.varying, |r| Op::Transform(how, r.reg(), value.reg(), from.text(), to.text()))
+        self.temp(at, ty, value.varying, |r| {
+            Op::Transform(how, r.reg(), value.reg(), from.text(), to.text(), at as u32)
+        })
     }
 
     /// Two values to compare: a number beside a triple is one of three such numbers.

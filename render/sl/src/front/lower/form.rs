@@ -45,7 +45,7 @@ impl Lower<'_> {
             }
             (Form::Random, []) => {
                 let ty = expected.filter(|t| t.is_triple()).unwrap_or(Ty::Float);
-                let (p, salt) = (self.variable(at, "P")?, self.constant(at, self.n_ops as f32)?);
+                let (p, salt) = (self.global(at, Global::P)?, self.constant(at, self.n_ops as f32)?);
                 // For a uniform variable it is one number a grid, otherwise one a point.
                 if self.for_uniform {
                     self.called(at, Builtin::RANDOM_OF_GRID, ty, false, &[salt])
@@ -57,22 +57,22 @@ impl Lower<'_> {
             (Form::ColorTransform, [Ty::Text, c]) if c.is_triple() => {
                 let from = self.text(at, "rgb")?;
                 self.temp(at, Ty::Color, varying, |r| {
-                    Op::ColorSpace(r.triple(), v[1].triple(), from.text(), v[0].text())
+                    Op::ColorSpace(r.triple(), v[1].triple(), from.text(), v[0].text(), at as u32)
                 })
             }
             (Form::ColorTransform, [Ty::Text, Ty::Text, c]) if c.is_triple() => {
                 self.temp(at, Ty::Color, varying, |r| {
-                    Op::ColorSpace(r.triple(), v[2].triple(), v[0].text(), v[1].text())
+                    Op::ColorSpace(r.triple(), v[2].triple(), v[0].text(), v[1].text(), at as u32)
                 })
             }
             (Form::MatrixTransform, [Ty::Text, Ty::Matrix]) => {
                 let from = self.text(at, "current")?;
                 self.temp(at, Ty::Matrix, varying, |r| {
-                    Op::Transform(Transform::Matrix, r.reg(), v[1].reg(), from.text(), v[0].text())
+                    Op::Transform(Transform::Matrix, r.reg(), v[1].reg(), from.text(), v[0].text(), at as u32)
                 })
             }
             (Form::MatrixTransform, [Ty::Text, Ty::Text, Ty::Matrix]) => self.temp(at, Ty::Matrix, varying, |r| {
-                Op::Transform(Transform::Matrix, r.reg(), v[2].reg(), v[0].text(), v[1].text())
+                Op::Transform(Transform::Matrix, r.reg(), v[2].reg(), v[0].text(), v[1].text(), at as u32)
             }),
             (Form::Concat, list) if !list.is_empty() && list.iter().all(|t| *t == Ty::Text) => {
                 let pattern = self.text(at, &"%s".repeat(list.len()))?;
@@ -180,18 +180,21 @@ impl Lower<'_> {
             [Ty::Text, Ty::Matrix, t] if t.is_triple() => {
                 // From a named space by a matrix that is given in it.
                 let now = self.text(at, "current")?;
-                let there =
-                    self.temp(at, ty, varying, |r| Op::Transform(how, r.reg(), v[2].reg(), v[0].text(), now.text()))?;
+                let there = self.temp(at, ty, varying, |r| {
+                    Op::Transform(how, r.reg(), v[2].reg(), v[0].text(), now.text(), at as u32)
+                })?;
                 let function = if how == Transform::Point { Builtin::MATRIX_POINT } else { Builtin::MATRIX_VECTOR };
                 self.called(at, function, ty, varying, &[v[1], there])
             }
             [Ty::Text, t] if t.is_triple() => {
                 let from = self.text(at, "current")?;
-                self.temp(at, ty, varying, |r| Op::Transform(how, r.reg(), v[1].reg(), from.text(), v[0].text()))
+                self.temp(at, ty, varying, |r| {
+                    Op::Transform(how, r.reg(), v[1].reg(), from.text(), v[0].text(), at as u32)
+                })
             }
-            [Ty::Text, Ty::Text, t] if t.is_triple() => {
-                self.temp(at, ty, varying, |r| Op::Transform(how, r.reg(), v[2].reg(), v[0].text(), v[1].text()))
-            }
+            [Ty::Text, Ty::Text, t] if t.is_triple() => self.temp(at, ty, varying, |r| {
+                Op::Transform(how, r.reg(), v[2].reg(), v[0].text(), v[1].text(), at as u32)
+            }),
             _ => error(at, format!("expected {}", row.usage)),
         }
     }

@@ -57,11 +57,17 @@ impl<'a> Lower<'a> {
         self.temp(at, Ty::Float, false, |r| Op::Ask { dst: r.float(), what: ask, names, out, len })
     }
 
+    /// Whether an expression names an array.
+    fn is_array(&self, e: &Expr) -> bool {
+        let ExprKind::Name(name) = &e.kind else { return false };
+        self.scopes.iter().rev().find_map(|s| s.get(name)).is_some_and(|value| value.array != 0)
+    }
+
     /// `texture`, `environment` and `shadow`.
     pub(super) fn map(&mut self, at: usize, how: Lookup, args: &[Expr], expected: Option<Ty>) -> Result<Value, Error> {
         let Some((first, rest)) = args.split_first() else { return error(at, "expected the name of a map") };
         let (name, channel) = match &first.kind {
-            ExprKind::Index(name, channel) => {
+            ExprKind::Index(name, channel) if !self.is_array(name) => {
                 let channel = self.expr(channel, Some(Ty::Float))?;
                 (self.expr(name, None)?, self.convert(first.at, channel, Ty::Float)?)
             }
@@ -70,9 +76,11 @@ impl<'a> Lower<'a> {
         if name.ty != Ty::Text {
             return error(first.at, format!("expected the name of a map, found {}", name.ty.name()));
         }
+        self.convert(first.at, name, Ty::Text)?;
         let mut values = Vec::new();
         for arg in rest {
-            values.push(self.expr(arg, None)?);
+            let value = self.expr(arg, None)?;
+            values.push(self.convert(arg.at, value, value.ty)?);
         }
         let n = values.iter().position(|v| v.ty == Ty::Text).unwrap_or(values.len());
         let (place, options) = values.split_at(n);
@@ -92,7 +100,8 @@ impl<'a> Lower<'a> {
         }
         let mut at_regs: Vec<Reg> = place.iter().map(|v| v.reg()).collect();
         if how == Lookup::Texture && at_regs.is_empty() {
-            at_regs = vec![self.variable(at, "s")?.reg(), self.variable(at, "t")?.reg()];
+            // Those of the surface, whatever variables of the shader have their names.
+            at_regs = vec![self.global(at, Global::S)?.reg(), self.global(at, Global::T)?.reg()];
         }
         let mut named = Vec::new();
         for pair in options.chunks(2) {
@@ -109,6 +118,7 @@ impl<'a> Lower<'a> {
             channel: channel.float(),
             at: at_regs,
             options: named,
+            place: at as u32,
         })
     }
 

@@ -197,11 +197,11 @@ impl<'a> Lower<'a> {
             return self.global(at, global);
         }
         if name == "dPdu" || name == "dPdv" {
-            let p = self.variable(at, "P")?;
+            let p = self.global(at, Global::P)?;
             return self.derivative(at, if name == "dPdu" { Builtin::DU } else { Builtin::DV }, p);
         }
         if name == "du" || name == "dv" {
-            let x = self.variable(at, if name == "du" { "u" } else { "v" })?;
+            let x = self.global(at, if name == "du" { Global::U } else { Global::V })?;
             return self.temp(at, Ty::Float, true, |r| Op::Call(Builtin::WIDTH, r.reg(), vec![x.reg()]));
         }
         if name == "PI" {

@@ -49,6 +49,11 @@ impl<'a> Lower<'a> {
                 if values.len() > var.array as usize {
                     return error(*at, format!("{} values for an array of {}", values.len(), var.array));
                 }
+                if values.len() < var.array as usize {
+                    let (name, rest) = (&v.name, if v.ty == Ty::Text { "empty" } else { "0" });
+                    let (n, len) = (values.len(), var.array);
+                    self.unsupported.push(format!("gives {n} values for the {len} of `{name}`: the rest are {rest}"));
+                }
                 for k in 0..var.array {
                     let value = match values.get(k as usize) {
                         Some(value) => self.expr(value, Some(v.ty))?,
