@@ -11,8 +11,8 @@ pub struct Contacts {
     pub bodies: Vec<[u32; 2]>,
     /// Identity of a contact from step to step: the ids of the shapes of A and B, and the feature id.
     pub key: Vec<[u32; 3]>,
-    /// Index of the contact's pair within its tile: among the pairs of spheres, which come first, or [`OTHER`] and that among the other pairs;
-    /// [`NO_PAIR`] of contacts that do not know it.
+    /// Index of the contact's pair within its tile: among the pairs of spheres, which come first, or `OTHER` and that among the other pairs;
+    /// `NO_PAIR` of contacts that do not know it.
     #[serde(skip)]
     pub pair: Vec<u32>,
     /// Unit normal, out of A, world.
@@ -32,7 +32,7 @@ pub struct Contacts {
     pub tiles: Tiles,
 }
 
-/// What [`Contacts::pair`] has beyond the index of a pair that is not one of spheres.
+/// What `pair` has beyond the index of a pair that is not one of spheres.
 pub const OTHER: u32 = 1 << 31;
 
 /// The entry of [`Contacts::pair`] for a contact that was read from a file or from a device.
