@@ -83,9 +83,7 @@ impl DrawOn {
             (Backend::Auto | Backend::Cpu, Some(_)) => Err(adapter_alone()),
         }
     }
-}
 
-impl DrawOn {
     /// Check a limit on the memory of an adapter, if one is given.
     fn memory(&self, bytes: Option<u64>) -> Outcome<Option<u64>> {
         if bytes.is_some() && *self == DrawOn::Cpu {

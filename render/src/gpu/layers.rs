@@ -233,16 +233,13 @@ impl<'a> Layers<'a> {
         let (mut bound, mut params) = self.told(samples, [first, end]);
         bound.extend([samples.colors.bind(), opacities.bind(), grids.bind(), ends.bind(), lists.bind()]);
         bound.extend([samples.depth.bind(), samples.color.bind(), samples.visible.bind()]);
-        match outputs {
-            Some(outputs) => {
-                outputs.sums.reserve(device, n * outputs.n)?;
-                let Outputs { kinds, of_points, sums, of_samples, .. } = &*outputs;
-                bound.extend([kinds.bind(), of_points.bind(), sums.bind(), of_samples.bind()]);
-                params.push(outputs.n as u32);
-                commands.dispatch(device, kernel, &bound, &params, groups(n, 64));
-            }
-            None => commands.dispatch(device, kernel, &bound, &params, groups(n, 64)),
+        if let Some(outputs) = outputs {
+            outputs.sums.reserve(device, n * outputs.n)?;
+            let Outputs { n, kinds, of_points, sums, of_samples, .. } = outputs;
+            bound.extend([kinds.bind(), of_points.bind(), sums.bind(), of_samples.bind()]);
+            params.push(*n as u32);
         }
+        commands.dispatch(device, kernel, &bound, &params, groups(n, 64));
         commands.submit(device)?;
         Ok(())
     }

@@ -23,7 +23,7 @@ fn step_of(t: f32, near: vec2<f32>) -> f32 {
 
 // The nearest surface after one: of what is equally near, the next in the order of occluders; a sphere's other side is past the step.
 fn next_after(last: Next, start: vec3<f32>, way: vec3<f32>, far: f32, own: u32, near: vec2<f32>) -> Next {
-    let inverse = 1.0 / vec3<f32>(not_zero(way.x), not_zero(way.y), not_zero(way.z));
+    let inverse = inverse_of(way);
     let head = world[0];
     var next = Next(far, 0xffffffffu);
     var k = 0u;
@@ -59,7 +59,7 @@ fn light_along(start: vec3<f32>, lamp: vec3<f32>) -> vec3<f32> {
         return vec3<f32>();
     }
     let own = own_primitive();
-    let near = vec2<f32>(values[work.own + 2u], values[work.own + 3u]);
+    let near = near_of_start();
     let length_of = sqrt(dot(lamp - start, lamp - start));
     if !(length_of > 0.0) {
         return vec3<f32>(1.0);

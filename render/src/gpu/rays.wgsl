@@ -11,6 +11,16 @@ fn not_zero(x: f32) -> f32 {
     return select(x, select(1e-30, -1e-30, x < 0.0), abs(x) < 1e-30);
 }
 
+// The reciprocals of a direction, finite.
+fn inverse_of(way: vec3<f32>) -> vec3<f32> {
+    return 1.0 / vec3<f32>(not_zero(way.x), not_zero(way.y), not_zero(way.z));
+}
+
+// How near its start a ray of the point that is shaded meets nothing of others, and nothing of its own primitive.
+fn near_of_start() -> vec2<f32> {
+    return vec2<f32>(values[work.own + 2u], values[work.own + 3u]);
+}
+
 // A sphere's middle and radius.
 fn stops_ball(start: vec3<f32>, way: vec3<f32>, far: f32, ball: vec4<f32>) -> bool {
     let to = ball.xyz - start;
@@ -107,9 +117,9 @@ fn is_blocked(start: vec3<f32>, lamp: vec3<f32>) -> bool {
         return false;
     }
     let way = (end - start) / far;
-    let inverse = 1.0 / vec3<f32>(not_zero(way.x), not_zero(way.y), not_zero(way.z));
+    let inverse = inverse_of(way);
     let own = own_primitive();
-    let near = vec2<f32>(values[work.own + 2u], values[work.own + 3u]);
+    let near = near_of_start();
     let head = world[0];
     let n_nodes = head.z;
     let first = head.y;
@@ -169,12 +179,12 @@ fn distance_beyond(start: vec3<f32>, way: vec3<f32>, at: u32, own: u32, near: ve
 
 // How far along a ray from the surface that is shaded anything is met; negative if nothing is.
 fn nearest(place: vec3<f32>, way: vec3<f32>) -> f32 {
-    let near = vec2<f32>(values[work.own + 2u], values[work.own + 3u]);
+    let near = near_of_start();
     // From a flat surface a ray is lifted off a little, and begun a little earlier.
     let flat = vec3<f32>(values[work.own + 4u], values[work.own + 5u], values[work.own + 6u]);
     let side = select(1.0, -1.0, dot(flat, way) < 0.0);
     let start = place + select(vec3<f32>(), (2.0 * flat * side - way) * (0.05 * near.x), any(flat != vec3<f32>()));
-    let inverse = 1.0 / vec3<f32>(not_zero(way.x), not_zero(way.y), not_zero(way.z));
+    let inverse = inverse_of(way);
     let own = own_primitive();
     let head = world[0];
     var far = 1e30;

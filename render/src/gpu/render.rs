@@ -2,7 +2,7 @@
 
 use crate::cpu::frame::Frame;
 use crate::cpu::imager;
-use crate::cpu::micropolygon::identity;
+use crate::cpu::micropolygon::{Micropolygon, identity};
 use crate::cpu::samples::BLOCK;
 use crate::cpu::sort::items_of_buckets;
 use crate::drawn::Drawn;
@@ -409,8 +409,7 @@ impl<'a> Drawing<'a> {
             let k_grid = starts.partition_point(|start| *start <= micropolygon) - 1;
             let grid = &held[k_grid];
             let (first, nu) = (grid.micropolygons[micropolygon - starts[k_grid]] as usize, grid.points.nu);
-            let corners =
-                if id & 1 == 0 { [first, first + 1, first + nu + 1] } else { [first, first + nu + 1, first + nu] };
+            let corners = Micropolygon::new(0, first, id & 1 == 1).corners(nu);
             self.identities[(y * width + x) as usize * n + k % n] = identity(grid.item, &grid.points, corners);
         }
     }

@@ -179,7 +179,7 @@ fn half_angle(angle: f64) -> [f64; 2] {
     let half = 0.5 * angle;
     let q = half * half;
     if q > SMALL {
-        return [half.sin(), half.cos()];
+        return half.sin_cos().into();
     }
     let [over_half, cosine] = series(q);
     [half * over_half, cosine]

@@ -16,6 +16,30 @@ macro_rules! operator {
     };
 }
 
+/// What registers of every width do alike: fill, load, store, square root.
+macro_rules! alike {
+    ([$T:ty; $L:literal], $splat:ident, $load:ident, $store:ident, $sqrt:ident) => {
+        #[inline(always)]
+        fn splat(x: $T) -> Self {
+            Wide(unsafe { $splat(x) })
+        }
+        #[inline(always)]
+        fn load(v: &[$T; $L]) -> Self {
+            Wide(unsafe { $load(v.as_ptr()) })
+        }
+        #[inline(always)]
+        fn to_array(self) -> [$T; $L] {
+            let mut out = [0.0; $L];
+            unsafe { $store(out.as_mut_ptr(), self.0) };
+            out
+        }
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            Wide(unsafe { $sqrt(self.0) })
+        }
+    };
+}
+
 operator!(__m256, Add, add, _mm256_add_ps);
 operator!(__m256, Sub, sub, _mm256_sub_ps);
 operator!(__m256, Mul, mul, _mm256_mul_ps);
@@ -26,24 +50,7 @@ operator!(__m256d, Mul, mul, _mm256_mul_pd);
 operator!(__m256d, Div, div, _mm256_div_pd);
 
 impl Lanes<f32, 8> for Wide<__m256> {
-    #[inline(always)]
-    fn splat(x: f32) -> Self {
-        Wide(unsafe { _mm256_set1_ps(x) })
-    }
-    #[inline(always)]
-    fn load(v: &[f32; 8]) -> Self {
-        Wide(unsafe { _mm256_loadu_ps(v.as_ptr()) })
-    }
-    #[inline(always)]
-    fn to_array(self) -> [f32; 8] {
-        let mut out = [0.0; 8];
-        unsafe { _mm256_storeu_ps(out.as_mut_ptr(), self.0) };
-        out
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        Wide(unsafe { _mm256_sqrt_ps(self.0) })
-    }
+    alike!([f32; 8], _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps, _mm256_sqrt_ps);
     #[inline(always)]
     fn select_le(self, max: Self, yes: Self, no: Self) -> Self {
         Wide(unsafe { _mm256_blendv_ps(no.0, yes.0, _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, max.0)) })
@@ -98,24 +105,7 @@ operator!(__m512, Mul, mul, _mm512_mul_ps);
 operator!(__m512, Div, div, _mm512_div_ps);
 
 impl Lanes<f32, 16> for Wide<__m512> {
-    #[inline(always)]
-    fn splat(x: f32) -> Self {
-        Wide(unsafe { _mm512_set1_ps(x) })
-    }
-    #[inline(always)]
-    fn load(v: &[f32; 16]) -> Self {
-        Wide(unsafe { _mm512_loadu_ps(v.as_ptr()) })
-    }
-    #[inline(always)]
-    fn to_array(self) -> [f32; 16] {
-        let mut out = [0.0; 16];
-        unsafe { _mm512_storeu_ps(out.as_mut_ptr(), self.0) };
-        out
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        Wide(unsafe { _mm512_sqrt_ps(self.0) })
-    }
+    alike!([f32; 16], _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps, _mm512_sqrt_ps);
     #[inline(always)]
     fn select_le(self, max: Self, yes: Self, no: Self) -> Self {
         Wide(unsafe { _mm512_mask_blend_ps(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(self.0, max.0), no.0, yes.0) })
@@ -153,24 +143,7 @@ fn high_half(v: __m512) -> __m256 {
 }
 
 impl Lanes<f64, 4> for Wide<__m256d> {
-    #[inline(always)]
-    fn splat(x: f64) -> Self {
-        Wide(unsafe { _mm256_set1_pd(x) })
-    }
-    #[inline(always)]
-    fn load(v: &[f64; 4]) -> Self {
-        Wide(unsafe { _mm256_loadu_pd(v.as_ptr()) })
-    }
-    #[inline(always)]
-    fn to_array(self) -> [f64; 4] {
-        let mut out = [0.0; 4];
-        unsafe { _mm256_storeu_pd(out.as_mut_ptr(), self.0) };
-        out
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        Wide(unsafe { _mm256_sqrt_pd(self.0) })
-    }
+    alike!([f64; 4], _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_sqrt_pd);
     #[inline(always)]
     fn select_le(self, max: Self, yes: Self, no: Self) -> Self {
         Wide(unsafe { _mm256_blendv_pd(no.0, yes.0, _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, max.0)) })

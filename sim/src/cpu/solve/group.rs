@@ -4,7 +4,7 @@ use super::bodies::BodyOperator;
 use super::cells::Cells;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::{Double, Registers, Wide};
-use crate::lanes::{Lane3, Lanes, Plain, Real, cone};
+use crate::lanes::{Lane3, Lanes, Plain, Real, project};
 use crate::twist::Twist;
 use glam::DVec3;
 use std::ops::Range;
@@ -205,10 +205,7 @@ pub fn projected<T: Real, const L: usize, V: Lanes<T, L>>(
     friction: V,
     tip: V,
 ) -> Lane3<V> {
-    let normal = gamma.dot(n);
-    let tangent = gamma.minus(n.times(normal));
-    let (kept, share) = cone(normal + tip, tangent.dot(tangent).sqrt(), friction);
-    n.times(kept - tip).plus(tangent.times(share))
+    project(gamma.plus(n.times(tip)), n, friction).minus(n.times(tip))
 }
 
 /// The greater of the speeds of closing, m/s, so far and of contacts that open at some speed.
