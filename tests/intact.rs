@@ -127,7 +127,18 @@ fn shards_that_lie_make_no_image() {
 /// A manifold of two shapes with a number of points.
 fn manifold(end: u32, shapes: [u32; 2]) -> sim::manifolds::Kept {
     let (position, orientation) = (glam::DVec3::X, glam::DQuat::IDENTITY);
-    sim::manifolds::Kept { pair: 0, end, shapes, position, orientation, axis: position, reach: 0.1, slack: 0.0 }
+    let corners = Default::default();
+    sim::manifolds::Kept {
+        pair: 0,
+        end,
+        shapes,
+        position,
+        orientation,
+        axis: position,
+        corners,
+        reach: 0.1,
+        slack: 0.0,
+    }
 }
 
 #[test]

@@ -41,9 +41,9 @@ impl Hull {
         self.faces.iter().flat_map(|f| (1..f.len() - 1).map(move |k| [f[0], f[k], f[k + 1]]))
     }
 
-    /// The vertex that is farthest in a direction, m.
-    pub fn support(&self, direction: DVec3) -> DVec3 {
-        self.vertices[self.columns[0].farthest(direction)]
+    /// Index of the vertex that is farthest in a direction.
+    pub fn farthest(&self, direction: DVec3) -> usize {
+        self.columns[0].farthest(direction)
     }
 
     /// The face whose normal is closest to a direction.

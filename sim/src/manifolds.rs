@@ -3,6 +3,12 @@
 
 use glam::{DQuat, DVec3};
 
+/// The number of a corner of a convex shape, from 1 on; 0 is none, of a curved surface.
+pub type Corner = u16;
+
+/// The corners of two shapes that their nearest points lie between, pair by pair; zeros after the last.
+pub type Corners = [[Corner; 2]; 3];
+
 /// The kept manifolds of all pairs, by tiles of the candidate pairs.
 #[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Manifolds {
@@ -35,6 +41,8 @@ pub struct Kept {
     /// Axis along which the shapes were farthest apart when the points were found, from the first to the second, in the frame of the
     /// first.
     pub axis: DVec3,
+    /// Corners of the shapes that the nearest points lay between.
+    pub corners: Corners,
     /// Gap up to which points were looked for, m.
     pub reach: f64,
     /// Relative motion up to which the points may be carried along, m.

@@ -94,21 +94,24 @@ pub fn collide_or_recycle(
         kept.kept.push(Kept { pair, end: kept.points.len() as u32, ..*known });
         return carry([a, b], points, reach, out);
     }
-    let keep = |n: usize, kept: &mut TileManifolds, (axis, reach, slack): (DVec3, f64, f64)| {
+    let keep = |n: usize, kept: &mut TileManifolds, (axis, reach, slack): (Axis, f64, f64)| {
         let (end, orientation) = (kept.points.len() as u32, (a.orientation.inverse() * b.orientation).normalize());
-        let axis = a.local(axis).normalize_or_zero();
-        kept.kept.push(Kept { pair, end, shapes, position, orientation, axis, reach, slack });
+        let (corners, axis) = (axis.corners, a.local(axis.direction).normalize_or_zero());
+        kept.kept.push(Kept { pair, end, shapes, position, orientation, axis, corners, reach, slack });
         n
     };
-    let direction = last.map_or(DVec3::ZERO, |(known, _)| a.rotation * known.axis);
-    if last.is_some_and(|(_, points)| points.is_empty()) && direction != DVec3::ZERO {
-        let apart = separation(a, b, direction);
-        if apart > reach {
-            return keep(0, kept, (direction, apart, apart));
+    let mut axis = last.map_or(Axis::default(), |(known, _)| Axis {
+        direction: a.rotation * known.axis,
+        apart: 0.0,
+        corners: known.corners,
+    });
+    if last.is_some_and(|(_, points)| points.is_empty()) && axis.direction != DVec3::ZERO {
+        axis.apart = separation(a, b, axis.direction);
+        if axis.apart > reach {
+            return keep(0, kept, (axis, axis.apart, axis.apart));
         }
     }
     let farther = reach * (1.0 + FARTHER);
-    let mut axis = Axis { direction, apart: 0.0 };
     let n = collide_along(a, b, farther, &mut axis, out);
     let mut least = farther;
     for p in &out[..n] {
@@ -121,7 +124,7 @@ pub fn collide_or_recycle(
     }
     let until = if n == 0 { axis.apart.max(farther) } else { farther };
     let slack = if n == 0 { until } else { slack + OF_GAP * least.max(0.0) };
-    keep(n, kept, (axis.direction, until, slack));
+    keep(n, kept, (axis, until, slack));
     let mut near = 0;
     for k in 0..n {
         out[near] = out[k];
@@ -133,10 +136,15 @@ pub fn collide_or_recycle(
 /// The points of a manifold where the shapes are now, those with a gap of at most `reach`, m. Returns their count.
 fn carry([a, b]: [&Placed; 2], points: &[KeptPoint], reach: f64, out: &mut Points) -> usize {
     let mut n = 0;
+    // Most points of a manifold have one normal.
+    let (mut known, mut normal) = ((DVec3::ZERO, false), DVec3::ZERO);
     for p in points {
         let on_first = a.position + a.rotation * p.on_first;
         let on_second = b.position + b.rotation * p.on_second;
-        let normal = if p.is_of_second { b.rotation * p.normal } else { a.rotation * p.normal };
+        if known != (p.normal, p.is_of_second) {
+            known = (p.normal, p.is_of_second);
+            normal = if p.is_of_second { b.rotation * p.normal } else { a.rotation * p.normal };
+        }
         let gap = (on_second - on_first).dot(normal);
         out[n] = Point { normal, on_first, on_second, gap, feature: p.feature };
         n += (gap <= reach) as usize;

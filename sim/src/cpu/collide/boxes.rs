@@ -22,7 +22,7 @@ struct Separations {
 
 impl Separations {
     /// The separations of boxes with these rotations, or the axis of one that is beyond `reach`, m.
-    fn of([a, b]: [&Placed; 2], [ra, rb]: [&DMat3; 2], reach: f64) -> Result<Separations, Axis> {
+    fn of([a, b]: [&Placed; 2], [ra, rb]: [&DMat3; 2], reach: f64) -> Result<Separations, (DVec3, f64)> {
         /// The least squared sine of the angle between edges of which a cross product is taken.
         const PARALLEL: f64 = 1e-8;
         // B in the frame of A: its rotation, and the place of its middle.
@@ -35,7 +35,7 @@ impl Separations {
         let mut face = (f64::NEG_INFINITY, 0);
         for (i, s) in of_a.to_array().into_iter().chain(of_b.to_array()).enumerate() {
             if s > reach {
-                return Err(Axis { direction: towards(face_axis([ra, rb], i), a, b), apart: s });
+                return Err((towards(face_axis([ra, rb], i), a, b), s));
             }
             // A face of the first box is kept unless the second's is clearly better, so that the choice is stable.
             if s > face.0 + if i == 3 { 1e-9 } else { 0.0 } {
@@ -65,7 +65,7 @@ impl Separations {
             }
             let s = scaled[i][j] / sine2.sqrt();
             if s > reach {
-                return Err(Axis { direction: towards(edge_axis([ra, rb], i, j), a, b), apart: s });
+                return Err((towards(edge_axis([ra, rb], i, j), a, b), s));
             }
             if s > edge.map_or(than, |(greatest, ..)| greatest) {
                 edge = Some((s, i, j));
@@ -104,16 +104,16 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Po
     let Separations { face, edge } = match Separations::of([a, b], rotations, reach) {
         Ok(separations) => separations,
         Err(apart) => {
-            *axis = apart;
+            (axis.direction, axis.apart) = apart;
             return 0;
         }
     };
     let size = a.size.min_element().min(b.size.min_element());
     let crossing = edge.map(|edge| edge_edge(a, b, rotations, edge));
     let normal = towards(face_axis(rotations, face.1), a, b);
-    *axis = Axis { direction: normal, apart: face.0 };
+    (axis.direction, axis.apart) = (normal, face.0);
     if let Some(point) = crossing {
-        *axis = Axis { direction: point.normal, apart: point.gap };
+        (axis.direction, axis.apart) = (point.normal, point.gap);
         if point.gap > 0.0 && point.on_first.distance(point.on_second) > point.gap + NEAR * size {
             return convex_convex(a, b, reach, axis, out);
         }
@@ -147,22 +147,54 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Po
     }
 }
 
-/// A corner of a clipped face: its place in the frame of the reference box, m, and its id.
+/// A corner of a clipped face: its place in the frame of the reference box, m, along the two sides of the reference face and its normal, and
+/// its id.
 type Corner = ([f64; 3], u32);
 
 /// The corners of a clipped face: a face of four, which each of four sides may give one more.
 struct Corners {
-    corner: [Corner; 8],
+    /// The corners, and a place for one more.
+    corner: [Corner; 9],
     n: usize,
 }
 
 impl Corners {
+    fn new() -> Corners {
+        Corners { corner: [([0.0; 3], 0); 9], n: 0 }
+    }
+
+    /// Write a corner where the next one belongs, and keep it there if it is one.
     #[inline(always)]
-    fn push(&mut self, corner: Corner) {
-        if self.n < self.corner.len() {
-            self.corner[self.n] = corner;
-            self.n += 1;
+    fn put(&mut self, corner: Corner, is_one: bool) {
+        self.corner[self.n] = corner;
+        self.n = (self.n + is_one as usize).min(8);
+    }
+
+    /// Clip at the plane `sign` · coordinate ALONG = `limit`, m, the side `id` of the reference face, by way of `spare`: the corners beyond it
+    /// are cut off.
+    #[inline(always)]
+    fn clip<'a, const ALONG: usize>(
+        face: &mut &'a mut Corners,
+        spare: &mut &'a mut Corners,
+        (sign, limit): (f64, f64),
+        id: u32,
+    ) {
+        let beyond = |p: &Corner| sign * p.0[ALONG] - limit;
+        if face.corner[..face.n].iter().all(|p| beyond(p) <= 0.0) {
+            return;
         }
+        spare.n = 0;
+        for k in 0..face.n {
+            let (p, q) = (&face.corner[k], &face.corner[if k + 1 < face.n { k + 1 } else { 0 }]);
+            let (before, after) = (beyond(p), beyond(q));
+            spare.put(*p, before <= 0.0);
+            if (before <= 0.0) != (after <= 0.0) {
+                let share = before / (before - after);
+                let cut = [0, 1, 2].map(|x| p.0[x] + (q.0[x] - p.0[x]) * share);
+                spare.put((cut, cut_id(p.1, q.1, id)), true);
+            }
+        }
+        std::mem::swap(face, spare);
     }
 }
 
@@ -176,45 +208,32 @@ fn clip_face(
     reach: f64,
     out: &mut Points,
 ) -> usize {
-    let into = rotation.transpose();
-    let (middle, towards) = (into * (other.position - of.position), turned.transpose() * -normal);
+    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+    let frame = [rotation.col(i), rotation.col(j), rotation.col(axis)];
+    let into = |v: DVec3| DVec3::from_array(frame.map(|along| along.dot(v)));
+    let towards = turned.transpose() * -normal;
     let facing = (0..3).max_by(|i, j| towards[*i].abs().total_cmp(&towards[*j].abs())).unwrap_or(0);
     let (one, two) = ((facing + 1) % 3, (facing + 2) % 3);
-    let centre = middle + into * (turned.col(facing) * other.size[facing].copysign(towards[facing]));
-    let (u, v) = (into * (turned.col(one) * other.size[one]), into * (turned.col(two) * other.size[two]));
+    let out_of = turned.col(facing) * other.size[facing].copysign(towards[facing]);
+    let centre = into(other.position - of.position + out_of);
+    let (u, v) = (into(turned.col(one) * other.size[one]), into(turned.col(two) * other.size[two]));
     let first = (8 * facing + if towards[facing] < 0.0 { 4 } else { 0 } + 1) as u32;
-    let mut face = Corners { corner: [([0.0; 3], 0); 8], n: 4 };
-    for (k, (s, t)) in [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].into_iter().enumerate() {
-        face.corner[k] = ((centre + s * u + t * v).to_array(), first + k as u32);
+    let (mut face, mut spare) = (Corners::new(), Corners::new());
+    let (mut face, mut spare) = (&mut face, &mut spare);
+    for (p, id) in [centre + u + v, centre - u + v, centre - u - v, centre + u - v].into_iter().zip(first..) {
+        face.put((p.to_array(), id), true);
     }
     // The sides of the reference face, between its corners in the same order.
-    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-    let sides = [(j, 1.0), (i, -1.0), (j, -1.0), (i, 1.0)];
-    for ((side, sign), id) in sides.into_iter().zip(1..) {
-        let beyond = |p: &Corner| sign * p.0[side] - of.size[side];
-        if face.corner[..face.n].iter().all(|p| beyond(p) <= 0.0) {
-            continue;
-        }
-        let mut clipped = Corners { corner: [([0.0; 3], 0); 8], n: 0 };
-        for k in 0..face.n {
-            let (p, q) = (&face.corner[k], &face.corner[if k + 1 < face.n { k + 1 } else { 0 }]);
-            let (before, after) = (beyond(p), beyond(q));
-            if before <= 0.0 {
-                clipped.push(*p);
-            }
-            if (before <= 0.0) != (after <= 0.0) {
-                let share = before / (before - after);
-                clipped.push((std::array::from_fn(|x| p.0[x] + (q.0[x] - p.0[x]) * share), cut_id(p.1, q.1, id)));
-            }
-        }
-        face = clipped;
-    }
+    Corners::clip::<1>(&mut face, &mut spare, (1.0, of.size[j]), 1);
+    Corners::clip::<0>(&mut face, &mut spare, (-1.0, of.size[i]), 2);
+    Corners::clip::<1>(&mut face, &mut spare, (-1.0, of.size[j]), 3);
+    Corners::clip::<0>(&mut face, &mut spare, (1.0, of.size[i]), 4);
     let (sign, height) = (if normal.dot(rotation.col(axis)) < 0.0 { -1.0 } else { 1.0 }, of.size[axis]);
     let mut n = 0;
-    for (p, id) in &face.corner[..face.n] {
-        let gap = sign * p[axis] - height;
+    for ([x, y, z], id) in &face.corner[..face.n] {
+        let gap = sign * z - height;
         if gap <= reach {
-            let on_second = of.position + *rotation * DVec3::from(*p);
+            let on_second = of.position + frame[0] * *x + frame[1] * *y + frame[2] * *z;
             out[n] = Point { normal, on_first: on_second - normal * gap, on_second, gap, feature: feature_id(*id) };
             n += 1;
         }

@@ -5,6 +5,7 @@
 
 use super::point::Placed;
 use crate::ShapeKind;
+use crate::manifolds::{Corner, Corners};
 use glam::{DVec2, DVec3};
 
 /// The nearest points of two shapes.
@@ -22,8 +23,10 @@ pub struct Nearest {
 
 /// A convex set: a core that is known by its support function, with a radius around it.
 pub trait Convex {
-    /// Support function: the farthest point of the core in a direction, world, m.
-    fn support(&self, direction: DVec3) -> DVec3;
+    /// Support function: the farthest point of the core in a direction, world, m, and the corner that it is.
+    fn support(&self, direction: DVec3) -> (DVec3, Corner);
+    /// The place of a corner, world, m, if there is one of this number.
+    fn corner(&self, corner: Corner) -> Option<DVec3>;
     /// A point inside, m.
     fn centre(&self) -> DVec3;
     /// Radius around the core, m.
@@ -31,8 +34,19 @@ pub trait Convex {
 }
 
 impl Convex for Placed<'_> {
-    fn support(&self, direction: DVec3) -> DVec3 {
-        self.position + self.rotation * support_local(self, self.local(direction))
+    fn support(&self, direction: DVec3) -> (DVec3, Corner) {
+        let (point, corner) = support_local(self, self.local(direction));
+        (self.position + self.rotation * point, corner)
+    }
+
+    fn corner(&self, corner: Corner) -> Option<DVec3> {
+        let index = (corner as usize).checked_sub(1)?;
+        let local = match self.kind {
+            ShapeKind::Box => box_corner(self.size, index),
+            ShapeKind::Hull => *self.hull?.vertices.get(index)?,
+            _ => return None,
+        };
+        Some(self.position + self.rotation * local)
     }
 
     fn centre(&self) -> DVec3 {
@@ -46,15 +60,19 @@ impl Convex for Placed<'_> {
 
 /// A triangle as a convex set.
 impl Convex for [DVec3; 3] {
-    fn support(&self, direction: DVec3) -> DVec3 {
+    fn support(&self, direction: DVec3) -> (DVec3, Corner) {
         let [a, b, c] = self.map(|v| v.dot(direction));
         if a >= b && a >= c {
-            self[0]
+            (self[0], 1)
         } else if b >= c {
-            self[1]
+            (self[1], 2)
         } else {
-            self[2]
+            (self[2], 3)
         }
+    }
+
+    fn corner(&self, corner: Corner) -> Option<DVec3> {
+        self.get((corner as usize).checked_sub(1)?).copied()
     }
 
     fn centre(&self) -> DVec3 {
@@ -66,99 +84,195 @@ impl Convex for [DVec3; 3] {
     }
 }
 
-/// Support function of a shape's core, local, m.
-pub fn support_local(shape: &Placed, d: DVec3) -> DVec3 {
+/// A corner of a box: bit k of the index is set where it is on the negative side of axis k.
+fn box_corner(size: DVec3, index: usize) -> DVec3 {
+    DVec3::from_array([0, 1, 2].map(|k| if index >> k & 1 == 1 { -size[k] } else { size[k] }))
+}
+
+/// Support function of a shape's core, local, m, and the corner that the point is.
+pub fn support_local(shape: &Placed, d: DVec3) -> (DVec3, Corner) {
     let size = shape.size;
     let rim = |radius: f64, z: f64| {
         let across = d.truncate().length();
         if across > 0.0 { (d.truncate() * (radius / across)).extend(z) } else { DVec2::new(radius, 0.0).extend(z) }
     };
-    match shape.kind {
+    let curved = match shape.kind {
+        ShapeKind::Box => {
+            let index = d.to_array().map(|d| d.is_sign_negative() as usize);
+            let index = index[0] | index[1] << 1 | index[2] << 2;
+            return (box_corner(size, index), index as Corner + 1);
+        }
+        ShapeKind::Hull => {
+            let Some(hull) = shape.hull else { return (DVec3::ZERO, 0) };
+            let index = hull.farthest(d);
+            return (hull.vertices[index], Corner::try_from(index + 1).unwrap_or(0));
+        }
         ShapeKind::Sphere => DVec3::ZERO,
         ShapeKind::Ellipsoid => {
             let scaled = size * d;
             let length = scaled.length();
             if length > 0.0 { size * scaled / length } else { DVec3::new(0.0, 0.0, size.z) }
         }
-        ShapeKind::Box => DVec3::new(size.x.copysign(d.x), size.y.copysign(d.y), size.z.copysign(d.z)),
         ShapeKind::Cylinder => rim(size.x, size.z.copysign(d.z)),
         ShapeKind::Capsule => DVec3::new(0.0, 0.0, size.z.copysign(d.z)),
         ShapeKind::Cone => {
             let base = rim(size.x, -size.z);
             if d.z * size.z > base.dot(d) { DVec3::new(0.0, 0.0, size.z) } else { base }
         }
-        ShapeKind::Hull => shape.hull.map_or(DVec3::ZERO, |hull| hull.support(d)),
         ShapeKind::Plane | ShapeKind::Mesh | ShapeKind::HeightField => DVec3::ZERO,
-    }
+    };
+    (curved, 0)
 }
 
-/// A point of the Minkowski difference, with the points of A and B that it is the difference of.
+/// A point of the Minkowski difference, with the points of A and B that it is the difference of, and their corners.
 #[derive(Clone, Copy, Debug, Default)]
 struct Vertex {
     w: DVec3,
     a: DVec3,
     b: DVec3,
+    corners: [Corner; 2],
+}
+
+impl Vertex {
+    fn of((a, i): (DVec3, Corner), (b, j): (DVec3, Corner)) -> Vertex {
+        Vertex { w: a - b, a, b, corners: [i, j] }
+    }
 }
 
 fn vertex(a: &impl Convex, b: &impl Convex, direction: DVec3) -> Vertex {
-    let (pa, pb) = (a.support(direction), b.support(-direction));
-    Vertex { w: pa - pb, a: pa, b: pb }
+    Vertex::of(a.support(direction), b.support(-direction))
 }
 
-/// A simplex of up to four vertices, with the barycentric weights of the point nearest to the origin.
-#[derive(Clone, Copy, Debug, Default)]
+/// A simplex of up to three vertices with a point between them that is nearest to the origin.
+#[derive(Clone, Copy, Debug)]
 struct Simplex {
+    /// Its vertices, and others in between: none is moved while the search goes on.
     v: [Vertex; 4],
-    weight: [f64; 4],
+    part: Part,
+}
+
+/// The vertices that a simplex is made of, by index, with the barycentric weights of the point nearest to the origin, none of them zero.
+#[derive(Clone, Copy, Debug, Default)]
+struct Part {
+    of: [usize; 3],
+    weight: [f64; 3],
     n: usize,
 }
 
-impl Simplex {
-    fn of(parts: &[(Vertex, f64)]) -> Simplex {
-        let mut s = Simplex::default();
-        for (v, weight) in parts.iter().filter(|p| p.1 > 0.0) {
-            (s.v[s.n], s.weight[s.n]) = (*v, *weight);
-            s.n += 1;
+impl Part {
+    #[inline(always)]
+    fn new<const N: usize>(of: [usize; N], weight: [f64; N]) -> Part {
+        let mut part = Part::default();
+        for k in 0..N {
+            if weight[k] > 0.0 {
+                (part.of[part.n], part.weight[part.n]) = (of[k], weight[k]);
+                part.n += 1;
+            }
         }
-        s
+        part
     }
 
-    fn with(&self, v: Vertex) -> Simplex {
-        let mut s = *self;
-        (s.v[s.n], s.n) = (v, s.n + 1);
-        s
+    fn of(&self) -> &[usize] {
+        &self.of[..self.n]
     }
 
-    fn sum(&self, part: impl Fn(&Vertex) -> DVec3) -> DVec3 {
-        (0..self.n).map(|i| part(&self.v[i]) * self.weight[i]).sum()
+    /// The nearest point, or that of the two sets which it is the difference of.
+    #[inline(always)]
+    fn sum(&self, v: &[Vertex; 4], of: impl Fn(&Vertex) -> DVec3) -> DVec3 {
+        (0..self.n).map(|i| of(&v[self.of[i]]) * self.weight[i]).sum()
+    }
+
+    /// The part of these vertices that has the point nearest to the origin; `None` if the origin is inside, which it is not where
+    /// `is_apart` is known. Of four vertices the last is new.
+    fn nearest(v: &[Vertex; 4], of: &[usize], is_apart: bool) -> Option<Part> {
+        match *of {
+            [i] => Some(Part::new([i], [1.0])),
+            [i, j] => {
+                let along = v[j].w - v[i].w;
+                let length2 = along.length_squared();
+                let t = if length2 > 0.0 { (-v[i].w.dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
+                Some(Part::new([i, j], [1.0 - t, t]))
+            }
+            [i, j, k] => {
+                let (s, t, u) = nearest_in_triangle(DVec3::ZERO, [v[i].w, v[j].w, v[k].w]);
+                Some(Part::new([i, j, k], [s, t, u]))
+            }
+            [i, j, k, l] => Part::of_tetrahedron(v, [i, j, k, l], is_apart),
+            _ => None,
+        }
+    }
+
+    /// On a tetrahedron, of which the last vertex is new: where the origin is not inside, the nearest point is on a face with it.
+    fn of_tetrahedron(v: &[Vertex; 4], of: [usize; 4], is_apart: bool) -> Option<Part> {
+        let mut best: Option<(f64, [usize; 3], [f64; 3])> = None;
+        let faces = [[0, 3, 1, 2], [0, 2, 3, 1], [1, 3, 2, 0], [0, 1, 2, 3]];
+        for face in &faces[..if is_apart { 3 } else { 4 }] {
+            let [i, j, k, other] = face.map(|corner| of[corner]);
+            let [p, q, r] = [v[i].w, v[j].w, v[k].w];
+            let is_beyond = || {
+                let normal = (q - p).cross(r - p);
+                let (here, there) = (-p.dot(normal), (v[other].w - p).dot(normal));
+                // The origin is beyond this face, or the tetrahedron is flat, so that round-off may hide which face that is.
+                here * there <= 0.0 || there.abs() <= 1e-14 * normal.length() * v[other].w.length()
+            };
+            if is_apart || is_beyond() {
+                let (s, t, u) = nearest_in_triangle(DVec3::ZERO, [p, q, r]);
+                let distance = (p * s + q * t + r * u).length_squared();
+                if best.is_none_or(|(least, ..)| distance < least) {
+                    best = Some((distance, [i, j, k], [s, t, u]));
+                }
+            }
+        }
+        best.map(|(_, of, weight)| Part::new(of, weight))
+    }
+}
+
+impl Simplex {
+    fn of(v: Vertex) -> Simplex {
+        Simplex { v: [v; 4], part: Part::new([0], [1.0]) }
+    }
+
+    /// That of corners which two sets have.
+    fn of_corners(a: &impl Convex, b: &impl Convex, corners: &Corners) -> Option<Simplex> {
+        let mut v = [Vertex::default(); 4];
+        let mut n = 0;
+        for [i, j] in corners {
+            let (Some(of_a), Some(of_b)) = (a.corner(*i), b.corner(*j)) else { break };
+            v[n] = Vertex::of((of_a, *i), (of_b, *j));
+            n += 1;
+        }
+        Some(Simplex { v, part: Part::nearest(&v, &[0, 1, 2][..n], false)? })
+    }
+
+    /// The pairs of corners that it is made of.
+    fn corners(&self) -> Corners {
+        let mut corners = Corners::default();
+        for (to, k) in corners.iter_mut().zip(self.part.of()) {
+            *to = self.v[*k].corners;
+        }
+        corners
     }
 
     fn nearest(&self) -> DVec3 {
-        self.sum(|v| v.w)
+        self.part.sum(&self.v, |v| v.w)
     }
 
-    /// The smallest simplex with the point nearest to the origin; `None` if the origin is inside, which it is not where `is_apart` is known.
-    fn reduced(&self, is_apart: bool) -> Option<Simplex> {
-        let v = &self.v;
-        match self.n {
-            1 => Some(Simplex::of(&[(v[0], 1.0)])),
-            2 => Some(on_segment(v[0], v[1])),
-            3 => Some(on_triangle(v[0], v[1], v[2])),
-            _ => on_tetrahedron(v, is_apart),
-        }
+    /// A place for a vertex among those that it is not made of.
+    fn free(&self) -> usize {
+        let used = self.part.of().iter().fold(0u32, |used, k| used | 1 << k);
+        used.trailing_ones() as usize
     }
-}
 
-fn on_segment(a: Vertex, b: Vertex) -> Simplex {
-    let along = b.w - a.w;
-    let length2 = along.length_squared();
-    let t = if length2 > 0.0 { (-a.w.dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
-    Simplex::of(&[(a, 1.0 - t), (b, t)])
-}
+    /// The part of it and of the vertex at `new` that is nearest to the origin, as [`Part::nearest`] has it.
+    fn with(&self, new: usize, is_apart: bool) -> Option<Part> {
+        let mut of = [new; 4];
+        of[..self.part.n].copy_from_slice(self.part.of());
+        Part::nearest(&self.v, &of[..=self.part.n], is_apart)
+    }
 
-fn on_triangle(a: Vertex, b: Vertex, c: Vertex) -> Simplex {
-    let (u, v, w) = nearest_in_triangle(DVec3::ZERO, [a.w, b.w, c.w]);
-    Simplex::of(&[(a, u), (b, v), (c, w)])
+    fn vertices(&self) -> Vec<Vertex> {
+        self.part.of().iter().map(|k| self.v[*k]).collect()
+    }
 }
 
 /// Barycentric weights of the point of a triangle nearest to `p` (Ericson 2005, §5.1.5).
@@ -198,38 +312,15 @@ pub fn nearest_in_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> (f64, f64, f64) {
     (va / sum, vb / sum, vc / sum)
 }
 
-/// On a tetrahedron, of which the last vertex is new: where the origin is not inside, the nearest point is on a face with it.
-fn on_tetrahedron(v: &[Vertex; 4], is_apart: bool) -> Option<Simplex> {
-    let mut best: Option<(f64, [usize; 3], [f64; 3])> = None;
-    let faces = [[0, 3, 1, 2], [0, 2, 3, 1], [1, 3, 2, 0], [0, 1, 2, 3]];
-    for [i, j, k, other] in &faces[..if is_apart { 3 } else { 4 }] {
-        let corners = [v[*i].w, v[*j].w, v[*k].w];
-        let [p, q, r] = corners;
-        let is_beyond = || {
-            let normal = (q - p).cross(r - p);
-            let (here, there) = (-p.dot(normal), (v[*other].w - p).dot(normal));
-            // The origin is beyond this face, or the tetrahedron is flat, so that round-off may hide which face that is.
-            here * there <= 0.0 || there.abs() <= 1e-14 * normal.length() * v[*other].w.length()
-        };
-        if is_apart || is_beyond() {
-            let weights = nearest_in_triangle(DVec3::ZERO, corners);
-            let (s, t, u) = weights;
-            let distance = (p * s + q * t + r * u).length_squared();
-            if best.is_none_or(|(least, ..)| distance < least) {
-                best = Some((distance, [*i, *j, *k], [s, t, u]));
-            }
-        }
-    }
-    best.map(|(_, [i, j, k], [s, t, u])| Simplex::of(&[(v[i], s), (v[j], t), (v[k], u)]))
-}
-
-/// An axis along which two shapes are apart.
+/// Where the search for the nearest points of two shapes begins, and where it has ended.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Axis {
-    /// Unit direction from the first to the second, world; zero where none is known.
+    /// Unit direction from the first to the second along which the shapes are apart, world; zero where none is known.
     pub direction: DVec3,
     /// Separation along it, m: at most the gap.
     pub apart: f64,
+    /// The corners of the simplex that had the nearest points, of shapes that have corners: most likely it has them again.
+    pub corners: Corners,
 }
 
 /// Separation of two shapes along a unit direction from the first to the second, m.
@@ -237,8 +328,8 @@ pub fn separation(a: &impl Convex, b: &impl Convex, direction: DVec3) -> f64 {
     -vertex(a, b, direction).w.dot(direction) - a.radius() - b.radius()
 }
 
-/// The nearest points of two shapes; `None` if their gap is above `reach`, m, with `axis` along which it is. The search begins along
-/// `axis`, which becomes the normal.
+/// The nearest points of two shapes; `None` if their gap is above `reach`, m, with `axis` along which it is. The search begins with the
+/// corners of `axis`, or along it, which becomes the normal.
 pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64, axis: &mut Axis) -> Option<Nearest> {
     const ROUNDS: usize = 80;
     /// Distance over the scale of the shapes up to which the direction is checked.
@@ -247,44 +338,43 @@ pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64, axis: &mut Axis) ->
     const RESTARTS: usize = 3;
     const EARLY: f64 = 1e-9;
     let round = a.radius() + b.radius();
-    let mut simplex = Simplex { n: 1, ..Simplex::default() };
-    let is_known = axis.direction != DVec3::ZERO;
-    let start = if is_known { axis.direction } else { b.centre() - a.centre() + DVec3::splat(1e-12) };
-    simplex.v[0] = vertex(a, b, start);
-    simplex.weight[0] = 1.0;
-    if is_known {
-        axis.apart = -simplex.v[0].w.dot(start) - round;
-        if axis.apart > reach {
-            return None;
-        }
-    }
+    let known = Simplex::of_corners(a, b, &axis.corners);
+    let mut simplex = known.unwrap_or_else(|| {
+        let is_known = axis.direction != DVec3::ZERO;
+        let start = if is_known { axis.direction } else { b.centre() - a.centre() + DVec3::splat(1e-12) };
+        Simplex::of(vertex(a, b, start))
+    });
     let scale = simplex.v[0].a.distance(a.centre()) + simplex.v[0].b.distance(b.centre()) + round;
-    let mut v = simplex.v[0].w;
+    let mut v = simplex.nearest();
     let (mut restarts, mut is_early, mut best) = (0, false, None::<Simplex>);
     for _ in 0..ROUNDS {
         let distance2 = v.length_squared();
         if distance2 <= 1e-20 * scale * scale {
-            return Some(overlapping(a, b, &simplex, axis));
+            return overlapping(a, b, simplex.vertices(), reach, axis);
         }
         let next = vertex(a, b, -v);
         // v·w bounds the distance from below.
         let lower = v.dot(next.w);
         if lower > 0.0 && lower * lower > distance2 * (round + reach).powi(2) {
             let distance = distance2.sqrt();
-            *axis = Axis { direction: -v / distance, apart: lower / distance - round };
+            *axis = Axis { direction: -v / distance, apart: lower / distance - round, corners: simplex.corners() };
             return None;
         }
         if distance2 - lower <= 1e-12 * distance2 {
             break;
         }
-        let is_known = (0..simplex.n).any(|i| simplex.v[i].w == next.w);
-        let grown = if is_known { Some(simplex) } else { simplex.with(next).reduced(lower > 0.0) };
-        let Some(reduced) = grown else {
-            return Some(overlapping(a, b, &simplex.with(next), axis));
+        let new = simplex.free();
+        let is_known = simplex.part.of().iter().any(|k| simplex.v[*k].w == next.w);
+        simplex.v[new] = next;
+        let part = if is_known { Some(simplex.part) } else { simplex.with(new, lower > 0.0) };
+        let Some(part) = part else {
+            let mut around = simplex.vertices();
+            around.push(next);
+            return overlapping(a, b, around, reach, axis);
         };
-        let nearer = reduced.nearest();
+        let nearer = part.sum(&simplex.v, |v| v.w);
         if nearer.length_squared() < distance2 {
-            (simplex, v) = (reduced, nearer);
+            (simplex.part, v) = (part, nearer);
             continue;
         }
         // Round-off ends the search. Where that is early, it starts again from where it has come to.
@@ -296,7 +386,7 @@ pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64, axis: &mut Axis) ->
             break;
         }
         restarts += 1;
-        (simplex, v) = (Simplex::of(&[(next, 1.0)]), next.w);
+        (simplex, v) = (Simplex::of(next), next.w);
     }
     if let Some(best) = best.filter(|b| b.nearest().length_squared() < v.length_squared()) {
         (simplex, v) = (best, best.nearest());
@@ -306,23 +396,33 @@ pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64, axis: &mut Axis) ->
     // Where the shapes nearly touch, round-off may be all of the direction; the shapes are then less far apart along it.
     let is_near = distance < if is_early { 10.0 * NEAR } else { NEAR } * scale;
     if is_near && distance + vertex(a, b, normal).w.dot(normal) > 1e-7 * scale {
-        return Some(overlapping(a, b, &simplex, axis));
+        return overlapping(a, b, simplex.vertices(), reach, axis);
     }
     let gap = distance - round;
-    *axis = Axis { direction: normal, apart: gap };
+    *axis = Axis { direction: normal, apart: gap, corners: simplex.corners() };
     (gap <= reach).then(|| Nearest {
         normal,
-        on_first: simplex.sum(|v| v.a) + normal * a.radius(),
-        on_second: simplex.sum(|v| v.b) - normal * b.radius(),
+        on_first: simplex.part.sum(&simplex.v, |v| v.a) + normal * a.radius(),
+        on_second: simplex.part.sum(&simplex.v, |v| v.b) - normal * b.radius(),
         gap,
     })
 }
 
-/// The nearest points of two shapes that overlap, of a simplex that contains the origin.
-fn overlapping(a: &impl Convex, b: &impl Convex, simplex: &Simplex, axis: &mut Axis) -> Nearest {
-    let nearest = expand(a, b, simplex, a.radius() + b.radius());
-    *axis = Axis { direction: nearest.normal, apart: nearest.gap };
-    nearest
+/// The nearest points of two shapes that overlap, of the vertices of a simplex that contains the origin. What a search from known corners
+/// has found is not taken on trust: they may make a flat simplex by now, and it begins again without them.
+fn overlapping(
+    a: &impl Convex,
+    b: &impl Convex,
+    vertices: Vec<Vertex>,
+    reach: f64,
+    axis: &mut Axis,
+) -> Option<Nearest> {
+    if std::mem::take(&mut axis.corners) != Corners::default() {
+        return nearest(a, b, reach, axis);
+    }
+    let nearest = expand(a, b, vertices, a.radius() + b.radius());
+    *axis = Axis { direction: nearest.normal, apart: nearest.gap, corners: Corners::default() };
+    Some(nearest)
 }
 
 /// A face of the expanding polytope.
@@ -334,13 +434,12 @@ struct Face {
 }
 
 /// The minimum translation that separates two overlapping shapes.
-fn expand(a: &impl Convex, b: &impl Convex, simplex: &Simplex, round: f64) -> Nearest {
+fn expand(a: &impl Convex, b: &impl Convex, mut points: Vec<Vertex>, round: f64) -> Nearest {
     const ROUNDS: usize = 96;
     /// Height above a face, over the scale, from which on a point is beyond it, in order of preference.
     const ABOVE: [f64; 4] = [1e-14, 1e-10, -1e-10, 1e-7];
     /// The most faces: a polytope that round-off has torn would grow without end.
     const MOST: usize = 400;
-    let mut points: Vec<Vertex> = simplex.v[..simplex.n].to_vec();
     extend_to_tetrahedron(a, b, &mut points);
     let finish = |normal: DVec3, distance: f64, pa: DVec3, pb: DVec3| Nearest {
         normal,
@@ -428,7 +527,7 @@ fn extend_to_tetrahedron(a: &impl Convex, b: &impl Convex, points: &mut Vec<Vert
         2 => (p[1].w - p[0].w).normalize_or_zero().cross(w - p[0].w).length(),
         _ => (p[1].w - p[0].w).cross(p[2].w - p[0].w).normalize_or_zero().dot(w - p[0].w).abs(),
     };
-    let size = a.support(DVec3::X).distance(a.centre()) + b.support(DVec3::X).distance(b.centre()) + 1e-300;
+    let size = a.support(DVec3::X).0.distance(a.centre()) + b.support(DVec3::X).0.distance(b.centre()) + 1e-300;
     while points.len() < 4 {
         let mut directions: Vec<DVec3> = tries.to_vec();
         if points.len() == 3 {

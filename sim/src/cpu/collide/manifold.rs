@@ -103,7 +103,7 @@ pub fn feature(shape: &Placed, direction: DVec3) -> Feature {
                 local(DVec3::new(0.0, 0.0, size.z), 41);
                 local((across * size.x).extend(-size.z), 42);
             } else {
-                local(support_local(shape, d), 43);
+                local(support_local(shape, d).0, 43);
             }
         }
         ShapeKind::Capsule if d.z.abs() < 0.7 * d.length() => {
@@ -113,7 +113,7 @@ pub fn feature(shape: &Placed, direction: DVec3) -> Feature {
         }
         _ => {
             let round = if matches!(shape.kind, ShapeKind::Sphere | ShapeKind::Capsule) { size.x } else { 0.0 };
-            local(support_local(shape, d) + d.normalize_or_zero() * round, 43);
+            local(support_local(shape, d).0 + d.normalize_or_zero() * round, 43);
         }
     }
     f

@@ -57,7 +57,7 @@ pub fn convex_plane(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usi
                 take(world(DVec3::new(0.0, 0.0, z)) - up * a.size.x, k as u32);
             }
         }
-        _ => take(world(support_local(a, down)) - up * Convex::radius(a), 0),
+        _ => take(world(support_local(a, down).0) - up * Convex::radius(a), 0),
     }
     // The deepest points where there are more than a manifold has.
     let found = &mut found[..n];
@@ -123,7 +123,7 @@ pub fn triangle(a: &Placed, triangle: &Triangle, reach: f64, out: &mut Points) -
     let nearest = if normal == nearest.normal {
         nearest
     } else {
-        let deepest = a.support(normal) + normal * Convex::radius(a);
+        let deepest = a.support(normal).0 + normal * Convex::radius(a);
         let gap = (deepest - corners[0]).dot(face);
         if gap > reach || is_beside(a, nearest.gap, gap) {
             return 0;
@@ -154,7 +154,7 @@ fn nearest_to_face(a: &Placed, triangle: &Triangle, face: DVec3, reach: f64) -> 
     if nearest.gap > 0.0 && nearest.normal.dot(face) < 0.0 {
         return Some(nearest);
     }
-    let deepest = a.support(-face) - face * Convex::radius(a);
+    let deepest = a.support(-face).0 - face * Convex::radius(a);
     let gap = (deepest - corners[0]).dot(face);
     let is_apart = match nearest.gap > TRACE * a.size.max_element() {
         true => !is_under(a, corners, face),

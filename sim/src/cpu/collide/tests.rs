@@ -4,6 +4,7 @@ use super::point::{MAX_POINTS, Point};
 use super::*;
 use crate::fill::SplitMix64;
 use crate::geometry::{Hull, Surface};
+use crate::manifolds::Corners;
 use crate::pose::Pose;
 use glam::{DQuat, DVec3};
 
@@ -291,10 +292,20 @@ fn a_search_that_begins_along_an_axis_finds_the_same_gap() {
         let least = |n: usize, out: &Points| out[..n].iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
         let n = collide_along(&a, &b, reach, &mut first, &mut out);
         let gap = least(n, &out);
-        // From the axis that was found, from one beside it, and from the opposite one.
+        // From the axis that was found, from one beside it, and from the opposite one; from corners that were found, and from any.
         let beside = (first.direction + DVec3::new(0.1, -0.2, 0.05)).normalize();
-        for direction in [first.direction, beside, -first.direction] {
-            let mut axis = Axis { direction, apart: 0.0 };
+        let none = Corners::default();
+        let any = [0; 3].map(|_| [0; 2].map(|_| random.between(1.0, 8.9) as u16));
+        let starts = [
+            (first.direction, none),
+            (beside, none),
+            (-first.direction, none),
+            (first.direction, first.corners),
+            (beside, [first.corners[0], [0; 2], [0; 2]]),
+            (-first.direction, any),
+        ];
+        for (direction, corners) in starts {
+            let mut axis = Axis { direction, apart: 0.0, corners };
             let n = collide_along(&a, &b, reach, &mut axis, &mut out);
             let found = least(n, &out);
             assert!(

@@ -38,10 +38,12 @@ pub struct Sweeps {
 }
 
 impl Sweeps {
-    /// Release the memory of columns that the next solve lays out again.
+    /// Release the memory of columns that the next solve lays out again, where it is much.
     pub fn release(&mut self) {
-        (self.spheres, self.manifolds) = Default::default();
-        (self.resisting_spheres, self.resisting_manifolds) = Default::default();
+        self.spheres.release();
+        self.manifolds.release();
+        self.resisting_spheres.release();
+        self.resisting_manifolds.release();
     }
 }
 
@@ -84,6 +86,16 @@ impl<const L: usize, C: Group<f32, L>, F: Group<f64, 4>> Precisions<L, C, F>
 where
     f32: Grouped<L>,
 {
+    /// As [`Sweeps::release`].
+    fn release(&mut self) {
+        /// Bytes up to which memory is kept: the system takes longer to give it again than the step would to fill it.
+        const MUCH: usize = 64 << 20;
+        let Precisions { coarse, fine } = self;
+        if size_of_val(&coarse.groups[..]) + size_of_val(&fine.groups[..]) > MUCH {
+            *self = Self::default();
+        }
+    }
+
     fn run(
         &mut self,
         op: &mut BodyOperator,
