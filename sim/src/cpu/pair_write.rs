@@ -123,6 +123,8 @@ struct Found<'a> {
     /// Pairs within the tile, and pairs across tiles.
     own: Candidates,
     crossing: Vec<[u32; 3]>,
+    /// The boxes of the members of a bin, and of others before them.
+    side_by_side: [FourBoxes; MEMBERS / 4],
 }
 
 impl Found<'_> {
@@ -183,7 +185,7 @@ pub fn run(model: &Model, state: &State, bins: &Bins, pairs: &mut Pairs) {
     const CAPACITY: usize = 1 << 14;
     let found = || {
         let own = Candidates { spheres: Vec::with_capacity(CAPACITY), others: vec![] };
-        Found { model, tile: &tile, here: NOWHERE, own, crossing: vec![] }
+        Found { model, tile: &tile, here: NOWHERE, own, crossing: vec![], side_by_side: Default::default() }
     };
 
     let bricks = bricks_of(input);
@@ -297,7 +299,7 @@ fn in_bin(input: &Input, [first, end]: [u32; 2], found: &mut Found) {
     // reports a pair whose bits together are all set.
     let begins = |s: u32| grid.low[s as usize].cmpeq(here).bitmask() as usize;
     let boxes = |s: u32| &input.aabb[s as usize];
-    let mut find = |s: u32, t: u32| {
+    let find = |found: &mut Found, s: u32, t: u32| {
         if input.may_collide(s, t) {
             found.push(s, t, 0);
         }
@@ -306,28 +308,28 @@ fn in_bin(input: &Input, [first, end]: [u32; 2], found: &mut Found) {
         for (i, &s) in members.iter().enumerate() {
             for &t in &members[i + 1..] {
                 if begins(s) | begins(t) == 7 && boxes(s).overlaps(boxes(t)) {
-                    find(s, t);
+                    find(found, s, t);
                 }
             }
         }
         return;
     }
-    let mut side_by_side = [FourBoxes::default(); MEMBERS / 4];
-    let mut bits = [0; MEMBERS];
+    let mut bits = [0u8; MEMBERS];
     // Mask of the members that have all bits of `k`.
     let mut having = [0u64; 8];
     for (i, &s) in members.iter().enumerate() {
-        side_by_side[i / 4].put(i % 4, boxes(s));
-        bits[i] = begins(s);
-        (0..8).filter(|k| bits[i] & k == *k).for_each(|k| having[k] |= 1 << i);
+        found.side_by_side[i / 4].put(i % 4, boxes(s));
+        let own = begins(s);
+        bits[i] = own as u8;
+        having.iter_mut().enumerate().for_each(|(k, having)| *having |= ((own & k == k) as u64) << i);
     }
     for (i, &s) in members.iter().enumerate() {
-        let (own, mut claimed) = (boxes(s), having[7 & !bits[i]] & (u64::MAX << i) & !(1 << i));
+        let (own, mut claimed) = (boxes(s), having[7 & !bits[i] as usize] & (u64::MAX << i) & !(1 << i));
         while claimed != 0 {
             let block = claimed.trailing_zeros() as usize / 4;
-            let mut near = side_by_side[block].overlap(own) & (claimed >> (4 * block)) as u32;
+            let mut near = found.side_by_side[block].overlap(own) & (claimed >> (4 * block)) as u32;
             while near != 0 {
-                find(s, members[4 * block + near.trailing_zeros() as usize]);
+                find(found, s, members[4 * block + near.trailing_zeros() as usize]);
                 near &= near - 1;
             }
             claimed &= !(15 << (4 * block));

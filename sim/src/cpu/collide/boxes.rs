@@ -33,7 +33,7 @@ impl Separations {
         let of_a = middle.abs() - a.size - abs * b.size;
         let of_b = (r.transpose() * middle).abs() - b.size - abs.transpose() * a.size;
         let mut face = (f64::NEG_INFINITY, 0);
-        for (i, s) in of_a.to_array().into_iter().chain(of_b.to_array()).enumerate() {
+        for (i, s) in [of_a.x, of_a.y, of_a.z, of_b.x, of_b.y, of_b.z].into_iter().enumerate() {
             if s > reach {
                 return Err((towards(face_axis([ra, rb], i), a, b), s));
             }
@@ -57,6 +57,9 @@ impl Separations {
         });
         // What is negative is less without the sine.
         let least = than.min(0.0);
+        if scaled.as_flattened().iter().fold(f64::NEG_INFINITY, |most, s| most.max(*s)) <= least {
+            return Ok(Separations { face, edge: None });
+        }
         let mut edge: Option<(f64, usize, usize)> = None;
         for (i, j) in (0..9).map(|k| (k / 3, k % 3)).filter(|(i, j)| scaled[*i][*j] > least) {
             let sine2 = 1.0 - r[j][i] * r[j][i];
