@@ -156,25 +156,23 @@ type Corner = ([f64; 3], u32);
 
 /// The corners of a clipped face: a face of four, which each of four sides may give one more.
 struct Corners {
-    /// The corners, and a place for one more.
-    corner: [Corner; 9],
+    corner: [Corner; 8],
     n: usize,
 }
 
 impl Corners {
     fn new() -> Corners {
-        Corners { corner: [([0.0; 3], 0); 9], n: 0 }
+        Corners { corner: [([0.0; 3], 0); 8], n: 0 }
     }
 
-    /// Write a corner where the next one belongs, and keep it there if it is one.
     #[inline(always)]
-    fn put(&mut self, corner: Corner, is_one: bool) {
-        self.corner[self.n] = corner;
-        self.n = (self.n + is_one as usize).min(8);
+    fn push(&mut self, corner: Corner) {
+        self.corner[self.n & 7] = corner;
+        self.n += 1;
     }
 
     /// Clip at the plane `sign` · coordinate ALONG = `limit`, m, the side `id` of the reference face, by way of `spare`: the corners beyond it
-    /// are cut off.
+    /// are cut off. They follow each other, so that there is one way out and one back, and the rest is copied.
     #[inline(always)]
     fn clip<'a, const ALONG: usize>(
         face: &mut &'a mut Corners,
@@ -182,20 +180,32 @@ impl Corners {
         (sign, limit): (f64, f64),
         id: u32,
     ) {
-        let beyond = |p: &Corner| sign * p.0[ALONG] - limit;
-        if face.corner[..face.n].iter().all(|p| beyond(p) <= 0.0) {
+        let n = face.n;
+        let beyond = face.corner.map(|p| sign * p.0[ALONG] - limit);
+        let out = (0..n).fold(0u32, |out, k| out | ((beyond[k] > 0.0) as u32) << k);
+        if out == 0 {
             return;
         }
+        let inside = !out & ((1 << n) - 1);
+        let last = |mask: u32| 31 - mask.leading_zeros() as usize;
+        let cut = |k: usize| {
+            let next = if k + 1 < n { k + 1 } else { 0 };
+            let (p, q) = (&face.corner[k], &face.corner[next]);
+            let share = beyond[k] / (beyond[k] - beyond[next]);
+            ([0, 1, 2].map(|x| p.0[x] + (q.0[x] - p.0[x]) * share), cut_id(p.1, q.1, id))
+        };
         spare.n = 0;
-        for k in 0..face.n {
-            let (p, q) = (&face.corner[k], &face.corner[if k + 1 < face.n { k + 1 } else { 0 }]);
-            let (before, after) = (beyond(p), beyond(q));
-            spare.put(*p, before <= 0.0);
-            if (before <= 0.0) != (after <= 0.0) {
-                let share = before / (before - after);
-                let cut = [0, 1, 2].map(|x| p.0[x] + (q.0[x] - p.0[x]) * share);
-                spare.put((cut, cut_id(p.1, q.1, id)), true);
-            }
+        if out & 1 == 0 {
+            let (first, last) = (out.trailing_zeros() as usize, last(out));
+            face.corner[..first].iter().for_each(|p| spare.push(*p));
+            spare.push(cut(first - 1));
+            spare.push(cut(last));
+            face.corner[last + 1..n].iter().for_each(|p| spare.push(*p));
+        } else if inside != 0 {
+            let (first, last) = (inside.trailing_zeros() as usize, last(inside));
+            spare.push(cut(first - 1));
+            face.corner[first..=last].iter().for_each(|p| spare.push(*p));
+            spare.push(cut(last));
         }
         std::mem::swap(face, spare);
     }
@@ -224,7 +234,7 @@ fn clip_face(
     let (mut face, mut spare) = (Corners::new(), Corners::new());
     let (mut face, mut spare) = (&mut face, &mut spare);
     for (p, id) in [centre + u + v, centre - u + v, centre - u - v, centre + u - v].into_iter().zip(first..) {
-        face.put((p.to_array(), id), true);
+        face.push((p.to_array(), id));
     }
     // The sides of the reference face, between its corners in the same order.
     Corners::clip::<1>(&mut face, &mut spare, (1.0, of.size[j]), 1);
