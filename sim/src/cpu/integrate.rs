@@ -35,7 +35,7 @@ pub fn run(model: &Model, motion: &[Twist], displacement: &Displacement, state: 
         state.velocity.par_chunks_mut(CHUNK),
         state.angular_velocity.par_chunks_mut(CHUNK),
     );
-    columns.into_par_iter().with_min_len(8).enumerate().for_each(|(chunk, (position, orientation, velocity, spin))| {
+    columns.into_par_iter().with_min_len(2).enumerate().for_each(|(chunk, (position, orientation, velocity, spin))| {
         for k in 0..position.len() {
             let b = chunk * CHUNK + k;
             match activity[b] {
