@@ -6,6 +6,8 @@
 
 // A corner at the seam of two faces is that of one.
 const BEYOND: f32 = 0.0;
+// Whether all shapes are boxes, whose faces have been tried.
+const ALL_BOXES: bool = false;
 // Sine of the angle between a normal and that of a face from which on they differ: that between shapes that nearly touch is no better known.
 const TILTED: f32 = 2e-3;
 // What the shortest way out may be of that through the face, and this of the shape's width, for a shape that is beside the face.
