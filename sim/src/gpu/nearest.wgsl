@@ -83,8 +83,11 @@ fn in_triangle(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
     return select(vec3(1.0, 0.0, 0.0), vec3(va, vb, vc) / sum, sum > 0.0);
 }
 
-// Rows of the nearest point.
+// Rows of the nearest point, of the last step of the axis, and of what the part that imports this one keeps there during the search: in registers
+// it would be all the while.
 const NEAREST: u32 = 8u;
+const LAST_STEP: u32 = 10u;
+const KEPT: u32 = 11u;
 
 fn put_vertex(i: u32, v: Vertex) {
     simplex[i] = v.w;
@@ -259,7 +262,7 @@ fn find_nearest(a: Placed, b: Placed, reach: f32) -> bool {
     as_capsules = !ALL_BOXES && (a.kind == CYLINDER || b.kind == CYLINDER);
     var best = vec4(away + vec3(1e-12), 0.0);
     var shift = 0.0;
-    var last = vec3(0.0);
+    corners[LAST_STEP] = vec4(0.0);
     var at = vec3(0.0);
     for (var k = select(1u, 0u, as_capsules); k <= MOVES + 1u; k++) {
         var moved = b;
@@ -282,6 +285,7 @@ fn find_nearest(a: Placed, b: Placed, reach: f32) -> bool {
         if k > 1u {
             let before = best;
             let step = next - before.xyz;
+            let last = corners[LAST_STEP].xyz;
             if outcome != KNOWN || !try_axis(a, b, next, GROWS * scale, &best) {
                 // What is left of the growth is rounding: the last step leads nearer to the axis, as each has.
                 if outcome == KNOWN && (k == 2u || dot(step, step) < dot(last, last)) {
@@ -291,10 +295,9 @@ fn find_nearest(a: Placed, b: Placed, reach: f32) -> bool {
             }
             // Steps become shorter by a ratio that is known from the second on: where they lead is tried at once.
             let ratio = clamp(dot(step, last) / max(dot(last, last), 1e-30), 0.0, MOST_RATIO);
-            last = step;
+            corners[LAST_STEP] = vec4(select(step, vec3(0.0), ratio > 0.0), 0.0);
             if ratio > 0.0 {
                 try_axis(a, b, normalize(next + step * (ratio / (1.0 - ratio))), 0.0, &best);
-                last = vec3(0.0);
             }
         } else if outcome == KNOWN && distance >= NEAR_BY * scale {
             best = vec4(next, separation(a, b, next));

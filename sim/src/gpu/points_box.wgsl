@@ -35,7 +35,12 @@ fn greatest_of(v: vec3<f32>) -> f32 {
 }
 
 // The contact points of two boxes with a gap of at most `reach`. Returns their count.
-fn solid_points(a: Placed, b: Placed, reach: f32) -> u32 {
+fn solid_points(first: Placed, second: Placed, reach: f32) -> u32 {
+    // What compilers leave out is of other kinds.
+    var a = first;
+    var b = second;
+    a.kind = BOX;
+    b.kind = BOX;
     // B in the frame of A: its rotation, and the place of its middle.
     let r = transpose(a.frame) * b.frame;
     let middle = (b.position - a.position) * a.frame;
@@ -95,13 +100,13 @@ fn solid_points(a: Placed, b: Placed, reach: f32) -> u32 {
         if !is_elsewhere {
             return with_edges(n, size, point);
         }
-        known_axis = vec4(point.normal, edge);
+        corners[KEPT] = vec4(point.normal, edge);
     } else {
         is_elsewhere = face > 0.0;
         for (var k = 0u; k < n; k++) {
             is_elsewhere = is_elsewhere && found[k].gap > face + NEAR * size;
         }
-        known_axis = vec4(face_normal_of(a, b, face_at), face);
+        corners[KEPT] = vec4(face_normal_of(a, b, face_at), face);
     }
     if is_elsewhere {
         n = nearest_points(a, b, reach);
@@ -109,11 +114,9 @@ fn solid_points(a: Placed, b: Placed, reach: f32) -> u32 {
     return n;
 }
 
-// The axis along which the boxes are farthest apart.
-var<private> known_axis: vec4<f32>;
-
+// The axis along which the boxes are farthest apart, which is known.
 fn first_axis(a: Placed, b: Placed, away: vec3<f32>) -> vec4<f32> {
-    return known_axis;
+    return corners[KEPT];
 }
 
 // The normal of a face, of A for the first three, from A to B.

@@ -206,7 +206,7 @@ fn hulls_have_the_contacts_of_the_cpu() {
     (model.shape_kind[s], model.shape_size[s], model.shape_part[s]) =
         (ShapeKind::Hull, hull.half_extent(), model.hulls.len() as u32);
     model.hulls.push(hull);
-    let n = hold(&model, &state, [2e-5, 1e-2, 0.85, 2e-3]);
+    let n = hold(&model, &state, [2e-5, 1e-2, 0.83, 2e-3]);
     assert!(n > 60, "{n}");
 }
 
@@ -315,7 +315,7 @@ fn normals_of_faces_and_sides_are_right_to_rounding() {
         assert!(found.len() >= n_points, "{k}: {n_points} points expected, {found:?}");
     }
     eprintln!("normals and gaps to {worst:?}");
-    assert!(worst.iter().all(|[turn, gap]| *turn < 2e-6 && *gap < 1e-7), "{worst:?}");
+    assert!(worst.iter().all(|[turn, gap]| *turn < 4e-6 && *gap < 3e-7), "{worst:?}");
 }
 
 /// Bricks in a wall that a ball hits, and the pieces as they fall.
