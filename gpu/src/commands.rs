@@ -188,8 +188,7 @@ impl Commands {
 
     /// Tell that the commands have taken this time, s, where that is not to be had from their timings: see [`Timings::unobserved`].
     pub fn observe(&self, device: &Device, seconds: f64) {
-        let whole = |key: Key| Unit { key, parts: 1, first: 0, end: key.1 };
-        let units: Vec<Unit> = self.stages.iter().map(|stage| whole(stage.key())).collect();
+        let units: Vec<Unit> = self.stages.iter().map(|stage| Unit::whole(stage.key())).collect();
         device.pace().observe(&units, seconds);
     }
 }

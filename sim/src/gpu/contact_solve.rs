@@ -108,6 +108,12 @@ impl Recorded {
     }
 }
 
+/// The speed at which gaps may close and the residual that may be left, m/s, where sweeps go on while there is more.
+fn closing_of(model: &Model, settings: &SolverSettings) -> Option<[f64; 2]> {
+    let lost = settings.residual_bound(model.gravity.length() * model.step);
+    settings.overlap_tolerance.map(|overlap| [overlap / model.step, lost])
+}
+
 impl ContactSolve {
     /// For the contacts of a collision, as many as it has room for now: after more room has been made, the solver is made again.
     ///
@@ -143,8 +149,10 @@ impl ContactSolve {
         let exact = if by_rounds { Some(Exact::new(device, kernels, &problem)?) } else { None };
         let landing = if let Some(bound) = takeover.filter(|_| method != Method::GaussSeidel) {
             let landing = Landing::new(device, kernels, (&problem, collision.room()), (settings, bound))?;
-            let settings = SolverSettings { omega: None, ..settings.clone() };
-            let sweeps = GaussSeidel::new(device, kernels, &settings, (&problem, collision))?;
+            let overlap = settings.overlap_tolerance.or(Some(0.5 * model.envelope));
+            let settings = SolverSettings { omega: None, overlap_tolerance: overlap, ..settings.clone() };
+            let by = (&settings, closing_of(model, &settings));
+            let sweeps = GaussSeidel::new(device, kernels, by, (&problem, collision))?;
             Some((landing, Columns::GaussSeidel(Box::new(sweeps))))
         } else {
             None
@@ -152,7 +160,8 @@ impl ContactSolve {
         let (method, bytes) = match method {
             Method::Jacobi => (Columns::Jacobi, jacobi::BYTES),
             Method::GaussSeidel => {
-                let method = GaussSeidel::new(device, kernels, settings, (&problem, collision))?;
+                let by = (settings, closing_of(model, settings));
+                let method = GaussSeidel::new(device, kernels, by, (&problem, collision))?;
                 (Columns::GaussSeidel(Box::new(method)), gauss_seidel::BYTES[problem.layout.narrow as usize])
             }
             Method::BarzilaiBorwein => {
@@ -237,6 +246,16 @@ impl ContactSolve {
         let most = if n == 0 { 0 } else { self.settings.max_iterations(blocks) };
         let Some(exact) = self.rounds(is_landing) else {
             self.submit_iterations(device, solve, most, times)?;
+            if let Columns::GaussSeidel(sweeps) = self.columns(is_landing)
+                && sweeps.may_go_on()
+            {
+                for _ in 1..gauss_seidel::BEYOND {
+                    if !self.goes_on(device)? {
+                        break;
+                    }
+                    self.submit_iterations(device, solve, most, times)?;
+                }
+            }
             return Ok(None);
         };
         let mut rounds = Rounds::default();

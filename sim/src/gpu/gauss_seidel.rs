@@ -5,8 +5,9 @@
 //! inout  gamma     [n_contacts]  N s, world
 //! inout  motion    [n_bodies]    m/s, rad/s
 //! Kernels: tile_start.wgsl, tile_sweep.wgsl and rest_sweep.wgsl for spheres, visit_write.wgsl, tile_manifolds.wgsl and rest_manifolds.wgsl for
-//! shapes of any kind, joint_response.wgsl, tile_decide.wgsl. Twin: cpu/solve/sweeps.rs, whose iteration is one sweep; here it is one pass over
-//! the contacts in memory.
+//! shapes of any kind, joint_response.wgsl, tile_decide.wgsl, closing.wgsl and closing_decide.wgsl. Twin: cpu/solve/sweeps.rs, whose iteration is
+//! one sweep; here it is one pass over the contacts in memory. Where a gap still closes too fast, all tiles are swept again, not those alone in
+//! which one does.
 //!
 //! Bytes of a contact and iteration: of spheres its row (48), its impulse read and written (32), its pair, colour and places (12): 92 from
 //! memory; of any shapes its row (64), its impulse read and written (32), its row of visits (16), and a share of its pair (12 of a pair): 115
@@ -28,6 +29,9 @@ pub const BYTES: [f64; 2] = [92.0, 115.0];
 /// Sweeps of a tile for one pass over its contacts in memory.
 pub const SWEEPS: u32 = 2;
 
+/// The most iterations, over those of the settings, where gaps are not to close too fast.
+pub const BEYOND: u32 = 4;
+
 /// Number of rounds of tiles.
 const ROUNDS: usize = 8;
 
@@ -36,7 +40,8 @@ pub struct GaussSeidel {
     start: Kernel,
     visits: Visits,
     decide: Kernel,
-    /// Workgroups of each round, of the big tiles and of the joints (10).
+    closing: Option<Closing>,
+    /// Workgroups of each round, of the big tiles, of the joints and of `closing` (11).
     pub work: Buffer<[u32; 4]>,
     /// Residual terms of each tile squared (n_tiles).
     moved: Buffer<f32>,
@@ -46,6 +51,16 @@ pub struct GaussSeidel {
     /// Sweeps, whether Coulomb's law is exact, and ω; the tolerance, m/s.
     params: [u32; 3],
     tolerance: f64,
+}
+
+/// What decides whether iterations go on.
+struct Closing {
+    /// The speed at which gaps may close, and the residual that may be left, m/s.
+    most: [f64; 2],
+    measure: Kernel,
+    decide: Kernel,
+    /// As bits: the greatest speed at which a gap closes, m/s (1).
+    fastest: Buffer<u32>,
 }
 
 /// The kernels of the visits.
@@ -125,25 +140,37 @@ impl Columns {
 }
 
 impl GaussSeidel {
-    /// For the contacts of a collision, which must have tiles.
+    /// For the contacts of a collision, which must have tiles. `most` is the speed at which gaps may close and the residual that may be left, m/s,
+    /// where iterations go on while there is more.
     pub fn new(
         device: &Device,
         kernels: &Kernels,
-        settings: &SolverSettings,
+        (settings, most): (&SolverSettings, Option<[f64; 2]>),
         (problem, collision): (&Problem, &Collision),
     ) -> Result<GaussSeidel, Fault> {
         let get = |name, text| kernel_of(problem.layout, device, kernels, (name, text));
         let tiles = collision.tiles().expect("pairs are in tiles");
         let is_exact = (settings.friction == FrictionLaw::Exact) as u32;
+        let closing = |most| -> Result<Closing, Fault> {
+            Ok(Closing {
+                most,
+                measure: get("closing", include_str!("closing.wgsl"))?,
+                decide: get("closing_decide", include_str!("closing_decide.wgsl"))?,
+                fastest: Buffer::zeros(device, "closing", 1)?,
+            })
+        };
+        // Where iterations go on, the last are not over-relaxed.
+        let omega = settings.omega.unwrap_or(1.0).min(if most.is_some() { 1.0 } else { f64::INFINITY });
         Ok(GaussSeidel {
+            closing: most.map(closing).transpose()?,
             start: get("tile_start", include_str!("tile_start.wgsl"))?,
             visits: Visits::new(device, kernels, problem)?,
             decide: get("tile_decide", include_str!("tile_decide.wgsl"))?,
-            work: Buffer::zeros(device, "work of tiles", ROUNDS + 2)?,
+            work: Buffer::zeros(device, "work of tiles", ROUNDS + 3)?,
             moved: Buffer::zeros(device, "moved", tiles.first.capacity())?,
             moved_rest: Buffer::zeros(device, "moved", 1)?,
             columns: Columns::of(collision, tiles),
-            params: [SWEEPS, is_exact, bits(settings.omega.unwrap_or(1.0))],
+            params: [SWEEPS, is_exact, bits(omega)],
             tolerance: settings.tolerance,
         })
     }
@@ -182,8 +209,21 @@ impl GaussSeidel {
             let work = Work::Indirect(&self.work, ROUNDS + 1);
             joints.record_more(device, commands, &problem.of_joints(), work);
         }
-        let params = [bits(self.tolerance)];
+        let params = [bits(self.tolerance), self.closing.is_some() as u32];
         commands.dispatch(device, &self.decide, &of_decision, &params, Work::Groups(1));
+        if let Some(closing) = &self.closing {
+            let fastest = closing.fastest.bind();
+            let bound = [problem.row(), problem.motion.bind(), fastest, problem.n_contacts.n.bind()];
+            commands.dispatch(device, &closing.measure, &bound, &[], Work::Indirect(&self.work, ROUNDS + 2));
+            let params = [bits(closing.most[0]), bits(closing.most[1]), BEYOND];
+            let bound = [fastest, scalars, self.work.bind()];
+            commands.dispatch(device, &closing.decide, &bound, &params, Work::Groups(1));
+        }
+    }
+
+    /// Whether iterations may go on beyond those of the settings.
+    pub fn may_go_on(&self) -> bool {
+        self.closing.is_some()
     }
 
     /// What the kernels over tiles and over big tiles bind.

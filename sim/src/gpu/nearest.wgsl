@@ -15,6 +15,14 @@ const MOVED: f32 = 2e-2;
 // The most moves, and what the separation has to grow by over the size.
 const MOVES: u32 = 16u;
 const GROWS: f32 = 2e-7;
+// What the bounds of a distance may differ by over the size, once it is known.
+const EARLY: f32 = 1e-6;
+// Sine of the angle to the plane across an axis up to which a direction is across it.
+const ASIDE: f32 = 1e-5;
+// Cosine of the angle between an axis and a normal that may be the same, and what the separations along both may differ by over the size: the
+// rounding.
+const ALIGNED: f32 = 0.9995;
+const SAME: f32 = 5e-7;
 // The greatest ratio of the length of a step to that of the last one that is made use of.
 const MOST_RATIO: f32 = 0.95;
 
@@ -75,8 +83,11 @@ fn in_triangle(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
     return select(vec3(1.0, 0.0, 0.0), vec3(va, vb, vc) / sum, sum > 0.0);
 }
 
-// Rows of the nearest point.
+// Rows of the nearest point, of the last step of the axis, and of what the part that imports this one keeps there during the search: in registers
+// it would be all the while.
 const NEAREST: u32 = 8u;
+const LAST_STEP: u32 = 10u;
+const KEPT: u32 = 11u;
 
 fn put_vertex(i: u32, v: Vertex) {
     simplex[i] = v.w;
@@ -232,40 +243,68 @@ fn try_axis(a: Placed, b: Placed, axis: vec3<f32>, more: f32, best: ptr<function
     return true;
 }
 
+// Whether what was found of capsules holds for the cylinders in their place: the cores are apart, and the direction is across the axes.
+fn is_aside(a: Placed, b: Placed, at: vec3<f32>, distance: f32) -> bool {
+    let of_a = select(0.0, abs(dot(at, a.frame[2])), a.kind == CYLINDER);
+    let of_b = select(0.0, abs(dot(at, b.frame[2])), b.kind == CYLINDER);
+    return max(of_a, of_b) <= ASIDE * distance;
+}
+
 // The nearest points, or those by which an overlap is least, in `found[0]`; false if the gap is above `reach`. `first_axis` is that of the
 // part that imports this one: an axis along which cores that touch or nearly do are apart, or overlap little.
 fn find_nearest(a: Placed, b: Placed, reach: f32) -> bool {
-    let round = radius_of(a) + radius_of(b);
     let away = b.position - a.position;
-    let scale = length(support(a, away) - a.position) + length(support(b, -away) - b.position) + round;
+    as_capsules = false;
+    let scale = length(support(a, away) - a.position) + length(support(b, -away) - b.position)
+        + radius_of(a) + radius_of(b);
+    // Cylinders are taken as capsules first, whose cores are their axes. Where they meet on their sides they are the same shapes, and the direction
+    // between the cores is known however near they are.
+    as_capsules = !ALL_BOXES && (a.kind == CYLINDER || b.kind == CYLINDER);
     var best = vec4(away + vec3(1e-12), 0.0);
     var shift = 0.0;
-    var last = vec3(0.0);
+    corners[LAST_STEP] = vec4(0.0);
     var at = vec3(0.0);
-    for (var k = 0u; k <= MOVES; k++) {
+    for (var k = select(1u, 0u, as_capsules); k <= MOVES + 1u; k++) {
         var moved = b;
         moved.position += best.xyz * shift;
-        let outcome = search(a, moved, best.xyz, select(3e38, reach + round, k == 0u), scale, &at);
+        let round = radius_of(a) + radius_of(b);
+        let outcome = search(a, moved, best.xyz, select(3e38, reach + round, k < 2u), scale, &at);
         let distance = length(at);
         let next = -at / distance;
-        if k > 0u {
+        if outcome == APART {
+            return false;
+        }
+        if k == 0u {
+            if outcome == KNOWN && distance >= NEAR_BY * scale && is_aside(a, b, at, distance) {
+                best = vec4(next, distance);
+                break;
+            }
+            as_capsules = false;
+            continue;
+        }
+        if k > 1u {
             let before = best;
+            let step = next - before.xyz;
+            let last = corners[LAST_STEP].xyz;
             if outcome != KNOWN || !try_axis(a, b, next, GROWS * scale, &best) {
+                // What is left of the growth is rounding: the last step leads nearer to the axis, as each has.
+                if outcome == KNOWN && (k == 2u || dot(step, step) < dot(last, last)) {
+                    try_axis(a, b, next, -GROWS * scale, &best);
+                }
                 break;
             }
             // Steps become shorter by a ratio that is known from the second on: where they lead is tried at once.
-            let step = next - before.xyz;
             let ratio = clamp(dot(step, last) / max(dot(last, last), 1e-30), 0.0, MOST_RATIO);
-            last = step;
+            corners[LAST_STEP] = vec4(select(step, vec3(0.0), ratio > 0.0), 0.0);
             if ratio > 0.0 {
                 try_axis(a, b, normalize(next + step * (ratio / (1.0 - ratio))), 0.0, &best);
-                last = vec3(0.0);
             }
-        } else if outcome == APART {
-            return false;
         } else if outcome == KNOWN && distance >= NEAR_BY * scale {
-            best = vec4(next, distance);
-            break;
+            best = vec4(next, separation(a, b, next));
+            if distance - best.w <= EARLY * scale {
+                break;
+            }
+            // Rounding has ended the search early.
         } else {
             best = first_axis(a, b, away);
             if outcome == KNOWN {
@@ -274,13 +313,63 @@ fn find_nearest(a: Placed, b: Placed, reach: f32) -> bool {
         }
         shift = max(-best.w, 0.0) + MOVED * scale;
     }
+    let of_a = radius_of(a);
+    let of_b = radius_of(b);
+    as_capsules = false;
+    if !ALL_BOXES {
+        align(a, b, of_a + of_b - radius_of(a) - radius_of(b), scale, &best);
+    }
     let normal = best.xyz;
     let on_a = corners[NEAREST].xyz;
     // What the points lie beside each other by is rounding.
     let on_b = on_a + normal * (dot(corners[NEAREST + 1u].xyz - on_a, normal) - shift);
-    let gap = best.w - round;
-    found[0] = Point(normal, on_a + normal * radius_of(a), on_b - normal * radius_of(b), gap, 1u << 16u);
+    let gap = best.w - of_a - of_b;
+    found[0] = Point(normal, on_a + normal * of_a, on_b - normal * of_b, gap, 1u << 16u);
     return gap <= reach;
+}
+
+// The face of a shape that faces a direction, or the line of its side, by its outward normal; zero of what has neither.
+fn facing_normal(shape: Placed, direction: vec3<f32>) -> vec3<f32> {
+    let d = direction * shape.frame;
+    var normal = vec3(0.0);
+    if shape.kind == BOX {
+        var axis = select(0u, 1u, abs(d.y) >= abs(d.x));
+        axis = select(axis, 2u, abs(d.z) >= abs(d[axis]));
+        normal[axis] = select(1.0, -1.0, d[axis] < 0.0);
+    } else if shape.kind == HULL {
+        var far = -3e38;
+        for (var k = 0u; k < hull_size(shape).y; k++) {
+            let own = hull_normal(shape, k);
+            let here = dot(own, d);
+            normal = select(normal, own, here > far);
+            far = max(far, here);
+        }
+    } else if shape.kind == TRIANGLE || (shape.kind == CYLINDER && abs(d.z) > 0.7) || (shape.kind == CONE && d.z < -0.7) {
+        normal.z = select(1.0, -1.0, d.z < 0.0 && shape.kind != TRIANGLE);
+    } else if shape.kind == CYLINDER || shape.kind == CONE {
+        let size = length(d.xy);
+        let out = select(vec2(0.0), d.xy / size, size > 0.0);
+        normal = normalize(vec3(out * 2.0 * shape.half.z, select(0.0, shape.half.x, shape.kind == CONE)));
+    }
+    return shape.frame * normal;
+}
+
+// Let an axis that is nearly the normal of a face or of a side that meets the other shape be that normal, if the shapes are no less apart along
+// it. `more` is the radius around the cores that the separation of `best` leaves out.
+fn align(a: Placed, b: Placed, more: f32, scale: f32, best: ptr<function, vec4<f32>>) {
+    for (var k = 0u; k < 2u; k++) {
+        var axis = facing_normal(a, (*best).xyz);
+        if k == 1u {
+            axis = -facing_normal(b, -(*best).xyz);
+        }
+        if dot(axis, (*best).xyz) < ALIGNED {
+            continue;
+        }
+        let apart = separation(a, b, axis) + more;
+        if apart >= (*best).w - SAME * scale {
+            *best = vec4(axis, apart);
+        }
+    }
 }
 
 // The contact points of two convex shapes. Returns their count.

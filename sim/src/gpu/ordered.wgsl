@@ -8,7 +8,7 @@ fn points_of(pair: vec2<u32>, origin: Fixed, fine: f32, reach: f32) -> u32 {
     let sides = select(pair, pair.yx, side_of(pair.y).shape < side_of(pair.x).shape);
     let a = placed(sides.x, origin, fine);
     let b = placed(sides.y, origin, fine);
-    let n = solid_points(a, b, reach * (1.0 + FARTHER));
+    let n = solid_points(at_home(a), seen_from(b, a), reach * (1.0 + FARTHER));
     var kept = 0u;
     for (var k = 0u; k < n; k++) {
         if found[k].gap <= reach {
@@ -16,5 +16,7 @@ fn points_of(pair: vec2<u32>, origin: Fixed, fine: f32, reach: f32) -> u32 {
             kept++;
         }
     }
+    // Placed again, so that it is not kept all the while: there are never more points.
+    leave_home(placed(select(sides.x, sides.y, n > MAX_POINTS), origin, fine), kept);
     return kept;
 }

@@ -50,6 +50,27 @@ fn placed(at: u32, origin: Fixed, fine: f32) -> Placed {
     return Placed(own.kind, own.half, offset + turned(q, own.offset), frame_of(product_of(q, own.turn)), own.part);
 }
 
+// A shape in the frame of another, and that in its own: a pair is collided in the frame of one, whose axes then take no registers.
+fn seen_from(shape: Placed, a: Placed) -> Placed {
+    let position = (shape.position - a.position) * a.frame;
+    return Placed(shape.kind, shape.half, position, transpose(a.frame) * shape.frame, shape.part);
+}
+
+fn at_home(a: Placed) -> Placed {
+    let axes = mat3x3(vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), vec3(0.0, 0.0, 1.0));
+    return Placed(a.kind, a.half, vec3(0.0), axes, a.part);
+}
+
+// The first points of a pair, which are in the frame of a shape, in the world.
+fn leave_home(a: Placed, n: u32) {
+    for (var k = 0u; k < n; k++) {
+        let p = found[k];
+        let on_first = a.position + a.frame * p.on_first;
+        let on_second = a.position + a.frame * p.on_second;
+        found[k] = Point(a.frame * p.normal, on_first, on_second, p.gap, p.feature);
+    }
+}
+
 // Swap the two shapes of the first points. Returns their count.
 fn swap_shapes(n: u32) -> u32 {
     for (var k = 0u; k < n; k++) {

@@ -8,6 +8,8 @@
 
 // Of sides that clip, more than rounding: corners of faces that lie on each other keep their features from step to step.
 const BEYOND: f32 = 2e-6;
+// Whether all shapes are boxes, whose faces have been tried.
+const ALL_BOXES: bool = true;
 // The least squared sine of the angle between edges of which a cross product is taken: that of edges more parallel is not known in single
 // precision, and lies between those of faces.
 const PARALLEL: f32 = 1e-4;
@@ -33,7 +35,12 @@ fn greatest_of(v: vec3<f32>) -> f32 {
 }
 
 // The contact points of two boxes with a gap of at most `reach`. Returns their count.
-fn solid_points(a: Placed, b: Placed, reach: f32) -> u32 {
+fn solid_points(first: Placed, second: Placed, reach: f32) -> u32 {
+    // What compilers leave out is of other kinds.
+    var a = first;
+    var b = second;
+    a.kind = BOX;
+    b.kind = BOX;
     // B in the frame of A: its rotation, and the place of its middle.
     let r = transpose(a.frame) * b.frame;
     let middle = (b.position - a.position) * a.frame;
@@ -81,35 +88,35 @@ fn solid_points(a: Placed, b: Placed, reach: f32) -> u32 {
     }
     let size = min(least_of(a.half), least_of(b.half));
     let is_crossing = edge > face + 1e-3 * size;
+    var n = 0u;
+    if !is_crossing || reach > FAST * size {
+        n = face_points(a, b, face_at, reach);
+    }
+    // Nearest elsewhere than where the edges cross, or than in front of the face.
+    var is_elsewhere = false;
     if is_crossing {
         let point = edge_point(a, b, edge, edges);
-        if edge > 0.0 && distance(point.on_first, point.on_second) > edge + NEAR * size {
-            known_axis = vec4(point.normal, edge);
-            return nearest_points(a, b, reach);
+        is_elsewhere = edge > 0.0 && distance(point.on_first, point.on_second) > edge + NEAR * size;
+        if !is_elsewhere {
+            return with_edges(n, size, point);
         }
-        var n = 0u;
-        if reach > FAST * size {
-            n = face_points(a, b, face_at, reach);
+        corners[KEPT] = vec4(point.normal, edge);
+    } else {
+        is_elsewhere = face > 0.0;
+        for (var k = 0u; k < n; k++) {
+            is_elsewhere = is_elsewhere && found[k].gap > face + NEAR * size;
         }
-        return with_edges(n, size, point);
-    }
-    let n = face_points(a, b, face_at, reach);
-    var is_elsewhere = face > 0.0;
-    for (var k = 0u; k < n; k++) {
-        is_elsewhere = is_elsewhere && found[k].gap > face + NEAR * size;
+        corners[KEPT] = vec4(face_normal_of(a, b, face_at), face);
     }
     if is_elsewhere {
-        known_axis = vec4(face_normal_of(a, b, face_at), face);
-        return nearest_points(a, b, reach);
+        n = nearest_points(a, b, reach);
     }
     return n;
 }
 
-// The axis along which the boxes are farthest apart.
-var<private> known_axis: vec4<f32>;
-
+// The axis along which the boxes are farthest apart, which is known.
 fn first_axis(a: Placed, b: Placed, away: vec3<f32>) -> vec4<f32> {
-    return known_axis;
+    return corners[KEPT];
 }
 
 // The normal of a face, of A for the first three, from A to B.

@@ -5,6 +5,8 @@
 
 // Of sides that clip, more than rounding: corners of faces that lie on each other keep their features from step to step.
 const BEYOND: f32 = 2e-6;
+// Whether all shapes are boxes, whose faces have been tried.
+const ALL_BOXES: bool = false;
 
 fn solid_points(a: Placed, b: Placed, reach: f32) -> u32 {
     return nearest_points(a, b, reach);

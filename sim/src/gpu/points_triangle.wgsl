@@ -6,6 +6,8 @@
 
 // A corner at the seam of two faces is that of one.
 const BEYOND: f32 = 0.0;
+// Whether all shapes are boxes, whose faces have been tried.
+const ALL_BOXES: bool = false;
 // Sine of the angle between a normal and that of a face from which on they differ: that between shapes that nearly touch is no better known.
 const TILTED: f32 = 2e-3;
 // What the shortest way out may be of that through the face, and this of the shape's width, for a shape that is beside the face.
@@ -102,14 +104,17 @@ fn is_under(a: Placed, b: Placed, most: f32) -> bool {
     return dot(away, face) < 0.0 && length(away - face * dot(away, face)) <= 1e-6 * most;
 }
 
-// The points of a shape and a triangle with the bits of its edges and corners that count. Returns their count.
-fn triangle_points(a: Placed, b: Placed, sharp: u32, height: f32, reach: f32) -> u32 {
-    let face = b.frame[2];
-    let size = min(a.half.x, min(a.half.y, a.half.z));
-    let most = max(a.half.x, max(a.half.y, a.half.z));
+// The points of a shape and a triangle with the bits of its edges and corners that count, `over` whose plane the origin is. Returns their count.
+fn triangle_points(a: Placed, b: Placed, bits: u32, over: f32, reach: f32) -> u32 {
+    corners[KEPT] = vec4(over, bitcast<f32>(bits), 0.0, 0.0);
     if !find_nearest(a, b, reach) {
         return 0u;
     }
+    let height = corners[KEPT].x;
+    let sharp = bitcast<u32>(corners[KEPT].y);
+    let face = b.frame[2];
+    let size = min(a.half.x, min(a.half.y, a.half.z));
+    let most = max(a.half.x, max(a.half.y, a.half.z));
     var nearest = found[0];
     let deepest = deepest_of(a, face, height);
     let is_other = nearest.gap > SHORTER * deepest.w && -deepest.w > DEEPER * size;
@@ -163,7 +168,10 @@ fn points_of(pair: vec2<u32>, origin: Fixed, fine: f32, reach: f32) -> u32 {
     } else {
         let b = placed_triangle(f, origin, fine);
         let height = real64(along(fine_difference(origin, fixture[f].position), fixture[f].z_axis)) * fine;
-        n = triangle_points(a, b, fixture[f].half.x.x, height, reach);
+        let own_height = height + dot(a.position, b.frame[2]);
+        n = triangle_points(at_home(a), seen_from(b, a), fixture[f].half.x.x, own_height, reach);
+        // Placed again, so that it is not kept all the while: there are never more points.
+        leave_home(placed(select(pair.x, 0u, n > MAX_POINTS), origin, fine), n);
     }
     if fixture[f].shape < sphere[pair.x].shape {
         return swap_shapes(n);

@@ -3,6 +3,9 @@
 #import placed
 #import hulls
 
+// Whether cylinders are capsules of the same axes for now.
+var<private> as_capsules: bool;
+
 // The farthest point of the core of a shape in a direction, in its frame.
 fn support_local(shape: Placed, d: vec3<f32>) -> vec3<f32> {
     let half = shape.half;
@@ -12,7 +15,7 @@ fn support_local(shape: Placed, d: vec3<f32>) -> vec3<f32> {
     switch shape.kind {
         case BOX: { return select(half, -half, d < vec3(0.0)); }
         case CAPSULE: { return vec3(0.0, 0.0, end); }
-        case CYLINDER: { return vec3(rim, end); }
+        case CYLINDER: { return vec3(select(rim, vec2(0.0), as_capsules), end); }
         case CONE: {
             let base = vec3(rim, -half.z);
             return select(base, vec3(0.0, 0.0, half.z), d.z * half.z > dot(base, d));
@@ -61,5 +64,6 @@ fn support(shape: Placed, direction: vec3<f32>) -> vec3<f32> {
 
 // Radius around the core.
 fn radius_of(shape: Placed) -> f32 {
-    return select(0.0, shape.half.x, shape.kind == BALL || shape.kind == SPHERE || shape.kind == CAPSULE);
+    let is_round = shape.kind == BALL || shape.kind == SPHERE || shape.kind == CAPSULE;
+    return select(0.0, shape.half.x, is_round || (shape.kind == CYLINDER && as_capsules));
 }

@@ -16,7 +16,7 @@
 // out  tile_body   [2 n_pairs]  bodies of each tile, from twice its first pair on
 // out  tile_size   [n_tiles]    number of bodies, and of colours
 // out  is_big      [n_tiles]
-// in   params      [1]          the most bodies of a tile that is not big
+// in   params      [3]          the most bodies of a tile that is not big; of so many dispatches, the index of this one, and their number
 // Twin: cpu/solve/schedule.rs
 #import sphere
 #import fixture
@@ -96,7 +96,7 @@ fn drawn(k: u32) -> u32 {
 
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-    let tile = group.x + group.y * 65535u;
+    let tile = (group.x + group.y * 65535u) * params[2] + params[1];
     if tile >= n_tiles[0] {
         return;
     }

@@ -2,9 +2,9 @@
 // in    moved    [n_tiles]  residual terms squared, m²/s²
 // in    rest     [1]        those of big tiles
 // inout scalars  [1]
-// inout work     [10]       workgroups of each round, of the big tiles and of the joints
+// inout work     [11]       workgroups of each round, of the big tiles, of the joints and of `closing`
 // in    counts   [2]        n_tiles, n_contacts
-// in    params   [1]        as bits: tolerance (m/s)
+// in    params   [2]        as bits: tolerance (m/s); whether `closing` decides once the iterations of the settings are done
 // Twin: cpu/solve/sweeps.rs
 #import scalars
 #import partial
@@ -32,9 +32,13 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     var s = scalars[0];
     s.trials++;
     s.residual = sqrt(sums.x + select(0.0, rest[0], work[8].x > 0u)) / f32(blocks_of(count[0]));
-    if s.residual <= bitcast<f32>(params[0]) || s.trials >= s.limit {
+    let is_done = s.trials >= s.limit;
+    if is_done && params[1] == 1u {
+        work[10] = dispatch_of(count[0]);
+    }
+    if s.residual <= bitcast<f32>(params[0]) || (is_done && params[1] == 0u) {
         s.goes_on = 0u;
-        for (var r = 0u; r < 10u; r++) {
+        for (var r = 0u; r < 11u; r++) {
             work[r] = vec4(0u, 0u, 1u, 0u);
         }
     }

@@ -1,6 +1,6 @@
 // Gauss–Seidel begins: the most iterations, and the workgroups of an iteration.
 // inout scalars      [1]
-// out   work         [10]  workgroups of each round, of the big tiles and of the joints
+// out   work         [11]  workgroups of each round, of the big tiles, of the joints and of `closing`
 // in    round_start  [10]  first tile of each round
 // in    n_big        [1]
 // in    count        [1]   n_contacts
@@ -32,5 +32,8 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     }
     if thread == 9u {
         work[9] = vec4(select(0u, 1u, n > 0u), 1u, 1u, 0u);
+    }
+    if thread == 10u {
+        work[10] = vec4(0u, 0u, 1u, 0u);
     }
 }

@@ -128,6 +128,38 @@ fn steps_in_which_a_bed_lands_are_swept_as_on_the_cpu() {
     }
 }
 
+/// Sweeps go on beyond the iterations of the settings, up to four times as many, while they leave gaps that close too fast, and no longer.
+#[test]
+fn sweeps_go_on_where_a_step_would_add_overlap() {
+    let run = |overlap_tolerance: Option<f64>, is_own: bool| {
+        let solver = SolverSettings { overlap_tolerance, ..settings(Method::GaussSeidel, 3, 1e-9) };
+        let (model, mut state) = bed(1100, solver);
+        for b in (0..model.n_bodies()).filter(|b| model.inv_mass[*b] > 0.0) {
+            state.position[b] *= 0.99;
+        }
+        let mut simulation =
+            if is_own { on_device(&model, &state)? } else { Simulation::new(model.clone(), state.clone()) };
+        let reports: Vec<(u32, f64)> = (0..40)
+            .map(|_| {
+                let report = simulation.step();
+                (report.iterations, report.worst_penetration)
+            })
+            .collect();
+        let worst = reports.iter().map(|report| report.1).fold(0.0, f64::max);
+        Some((reports.iter().map(|report| report.0).collect::<Vec<u32>>(), worst))
+    };
+    let tolerance = 2e-5;
+    let Some((alone, without)) = run(None, true) else { return };
+    let ((own, worst), (on_cpu, of_cpu)) = (run(Some(tolerance), true).unwrap(), run(Some(tolerance), false).unwrap());
+    eprintln!("{alone:?} {without} m, {own:?} {worst} m; on the CPU {on_cpu:?} {of_cpu} m");
+    assert!(alone.iter().all(|n| *n <= 3) && own.iter().all(|n| *n <= 12), "{alone:?}, {own:?}");
+    assert!(own.iter().any(|n| *n > 3) && own.iter().any(|n| *n <= 3), "{own:?}");
+    assert!(
+        worst < 0.5 * without && worst < 2.0 * of_cpu + tolerance,
+        "{worst} m of {without} m, {of_cpu} m on the CPU"
+    );
+}
+
 /// A state as a checkpoint has it: without what is not written.
 pub fn written(state: &State) -> State {
     postcard::from_bytes(&postcard::to_stdvec(state).unwrap()).unwrap()
@@ -509,6 +541,36 @@ fn a_run_with_sleepers_repeats_bit_for_bit_also_from_its_middle() {
     };
     assert!(bits(&first.state) == bits(&second.state));
     assert_eq!(first.state.sleepers.island, second.state.sleepers.island);
+}
+
+/// No submission of the first steps of large beds takes longer than half a second, though nothing is known of their times. `tests/gpu_full.sh`
+/// runs it, on a machine that does nothing else.
+#[test]
+#[ignore = "takes minutes on a software adapter"]
+fn submissions_of_large_beds_are_short() {
+    let (spheres, solids) = (100_000, 10_000);
+    for method in [Method::Apgd, Method::GaussSeidel] {
+        let bed_of_solids = workload::mixed(solids).simulation().unwrap();
+        let (mut of_solids, mut state) = (bed_of_solids.model, bed_of_solids.state);
+        // Drawn together, until neighbours touch.
+        state.position.iter_mut().for_each(|p| *p *= 0.7);
+        of_solids.solver = workload::solver(method, 20);
+        let (of_spheres, drawn) = build(Workload::S, spheres, workload::solver(method, 20), 1.5e-3);
+        let mut drawn = drawn;
+        for b in (0..of_spheres.n_bodies()).filter(|b| of_spheres.inv_mass[*b] > 0.0) {
+            drawn.position[b] *= 0.955;
+        }
+        for (name, (model, state)) in [("spheres", (of_spheres, drawn)), ("solids", (of_solids, state))] {
+            let Some(mut own) = on_device(&model, &state) else { return };
+            let mut contacts = 0;
+            for _ in 0..4 {
+                contacts = own.step().contacts;
+            }
+            let longest = own.longest_submission().unwrap();
+            eprintln!("{method:?}, {name}: {contacts} contacts, {longest:.3} s");
+            assert!(longest <= 0.5, "{method:?}, {name}: {longest} s");
+        }
+    }
 }
 
 /// `tests/gpu_full.sh` runs it.
