@@ -316,6 +316,39 @@ fn an_edge_of_two_faces_is_one_layer() {
     }
 }
 
+/// A steep surface lets through what its opacity says: a sample on an edge of two micropolygons belongs to one of them, and where grids or faces
+/// meet they are one layer, however far their depths differ within the width of an edge.
+#[test]
+fn an_edge_on_a_steep_surface_is_one_layer() {
+    let plain = "Format 64 64 1 PixelSamples 4 4 PixelFilter \"box\" 1 1 Projection \"perspective\" \"fov\" 60";
+    let mut surfaces: Vec<(&str, String)> = meshes(&|_, _| 0.0).into();
+    surfaces.push(("disk", "Disk 0 2 360\n".into()));
+    // Turns by which each surface has samples on edges, and sizes by which it goes beyond the image.
+    let turns = [
+        "2.362 0.253 1.73 0.246",
+        "67.124 1.38 0.206 0.266",
+        "62.777 -1.17 -2.737 -0.285",
+        "77.012 0.243 0.337 -0.104",
+    ];
+    for (name, surface) in surfaces {
+        for turn in turns {
+            let world = format!("Opacity 0.5 0.5 0.5 Translate 0 0 4 Rotate {turn} Scale 11 11 11 {surface}");
+            let moves = format!("MotionBegin [0 1] Translate 0 0 0 Translate 0.1 0.05 0.3 MotionEnd {world}");
+            for (what, options, world) in [
+                ("still", plain.to_string(), &world),
+                ("moving", format!("Shutter 0 1 {plain}"), &moves),
+                ("through a lens", format!("DepthOfField 22 0.2 4 {plain}"), &world),
+            ] {
+                let off = render(&options, world).pixels.iter().filter(|p| p[3] > 0.5 + 1e-6).count();
+                // Points of a side that a neighbour does not have are on its line when the shutter opens and closes and through the middle of
+                // the lens, and beside it else.
+                let most = if what == "still" { 0 } else { 2 };
+                assert!(off <= most, "{off} pixels of {name}, {turn}, {what}");
+            }
+        }
+    }
+}
+
 /// The same along rays to a light, and of the panes of an object.
 #[test]
 fn light_passes_an_edge_of_two_faces_as_one_layer() {
@@ -376,6 +409,40 @@ fn points_are_one_layer() {
 }
 
 /// What is half open hides half of the sky.
+/// A ray of `occlusion` asks a surface how opaque it is, not what colour it has: a shader that calls `occlusion` for its colour sends no more rays for
+/// that, and one whose opacity depends on it as many as `maxdiffusedepth` allows.
+#[test]
+fn occlusion_of_shaders_that_call_it_sends_no_more_rays() {
+    let work = scratch();
+    let at = |name: &str| work.path().join(name).to_str().unwrap().to_string();
+    let draw = |body: &str, options: &str| {
+        std::fs::write(at("oc.sl"), format!("surface oc() {{ {body} }}")).unwrap();
+        let panes =
+            "Polygon \"P\" [-3 -3 2 3 -3 2 3 3 2 -3 3 2] Polygon \"P\" [-0.4 -0.4 1 0.4 -0.4 1 0.4 0.4 1 -0.4 0.4 1]";
+        let rib = format!(
+            "Display \"t.exr\" \"exr\" \"rgba\" Format 4 4 1 PixelSamples 2 2 PixelFilter \"box\" 1 1 {options} WorldBegin
+            Surface \"oc\" {panes} WorldEnd"
+        );
+        std::fs::write(at("t.rib"), rib).unwrap();
+        scree(&["render", &at("t.rib"), "--stats", "-o", &at("")]).ok();
+        let stats = std::fs::read(at("t.exr.stats.json")).unwrap();
+        let stats = serde_json::from_slice::<serde_json::Value>(&stats).unwrap();
+        let count = |name: &str| stats["stats"][name].as_u64().unwrap();
+        [count("shaded_points"), count("occlusion_rays"), count("opacity_runs")]
+    };
+    let occlusion = "occlusion(P, faceforward(normalize(N), I), 64)";
+    for body in [format!("Oi = 1; Ci = {occlusion};"), format!("Oi = 1 - 0.25 * {occlusion}; Ci = Oi;")] {
+        let [points, rays, runs] = draw(&body, "");
+        assert_eq!(rays, 64 * points, "{body}");
+        assert!(0 < runs && runs <= 2 * rays, "{runs} of {rays}: {body}");
+    }
+    let deep = "Option \"trace\" \"int maxdiffusedepth\" [2]";
+    let [points, rays, _] = draw(&format!("Oi = 1; Ci = {occlusion};"), deep);
+    assert_eq!(rays, 64 * points);
+    let [points, rays, _] = draw(&format!("Oi = 1 - 0.25 * {occlusion}; Ci = Oi;"), deep);
+    assert!(rays > 64 * points);
+}
+
 #[test]
 fn occlusion_counts_what_is_translucent_by_its_opacity() {
     let shader = b"surface sky() { Oi = 1; Ci = occlusion(P, normal(0, 0, -1), 64); }";

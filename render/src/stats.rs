@@ -17,6 +17,10 @@ pub struct Stats {
     pub micropolygons: u64,
     /// Count of tests of a sample against a micropolygon; 0 of an image of a graphics device, which does not count them.
     pub samples: u64,
+    /// Count of rays of `occlusion`; 0 of an image of a graphics device.
+    pub occlusion_rays: u64,
+    /// Count of runs of surface shaders for the opacity of what a ray meets.
+    pub opacity_runs: u64,
     /// Time by stage.
     pub seconds: Seconds,
 }
@@ -39,7 +43,7 @@ pub struct Seconds {
 }
 
 impl Stats {
-    /// The sums over two sets of buckets; `items`, and the seconds of the clock, are of the first.
+    /// The sums over two sets of buckets; `items`, what rays asked, and the seconds of the clock, are of the first.
     pub(crate) fn add(mut self, o: Stats) -> Stats {
         self.splits += o.splits;
         self.grids += o.grids;

@@ -14,6 +14,7 @@
 pub mod builtins;
 mod globals;
 mod op;
+pub mod opacity;
 mod optimise;
 mod program;
 mod register;

@@ -39,7 +39,7 @@ impl Samples {
                 let times = [track.instants[key].time, until];
                 if track.camera.has_lens() {
                     self.through_lens::<L>(&quad, times, &strata.bounds, &lens, k, grid, &mut tally);
-                } else if grid.opaque {
+                } else if !grid.as_layers {
                     self.moving::<L, true>(&quad, times, &strata.bounds, k, grid, &mut tally);
                 } else {
                     self.moving::<L, false>(&quad, times, &strata.bounds, k, grid, &mut tally);

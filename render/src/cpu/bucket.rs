@@ -208,7 +208,7 @@ impl Sink for Grids<'_> {
         }
         let surface = Surface { item, view, reach: grid.reach, z: bound.z, time: 0.0 };
         // Behind what lets nothing through nothing need be shaded to know what it hides.
-        if self.samples.is_closed() && !self.sample(grid, false, true) {
+        if self.samples.is_closed() && !self.sample(grid, None, true) {
             self.stats.grids_hidden += 1;
             return;
         }
@@ -225,7 +225,7 @@ impl Sink for Grids<'_> {
             && view.attributes.solid.is_none()
             && view.attributes.seen == [0.0, 1.0]
             && self.frame.planes.is_empty();
-        if !self.sample(grid, opaque, false) {
+        if !self.sample(grid, opaque.then_some(later), false) {
             return;
         }
         let shaded = if later { None } else { Some(&mut *self.shading) };
@@ -264,8 +264,9 @@ impl Grids<'_> {
         outward != mirrored
     }
 
-    /// Sample a projected grid, or only find whether there is a sample for it; whether any sample takes something of it.
-    fn sample(&mut self, grid: &Grid, opaque: bool, is_probe: bool) -> bool {
+    /// Sample a projected grid, or only find whether there is a sample for it; whether any sample takes something of it. Of what is `opaque` it
+    /// says whether that was known before it was shaded.
+    fn sample(&mut self, grid: &Grid, opaque: Option<bool>, is_probe: bool) -> bool {
         let begun = Instant::now();
         let Subject { item, view, instants, camera, .. } = self.subject;
         self.raster.choose(camera, view, grid);
@@ -275,7 +276,8 @@ impl Grids<'_> {
         let solid = view.attributes.solid.map(|leaf| (leaf, self.is_entered(&grid.points)));
         let sampled = SampledGrid {
             index: self.deferred.next(),
-            opaque,
+            opaque: opaque.is_some(),
+            as_layers: opaque != Some(true),
             smooth: view.attributes.smooth,
             size: [nu, grid.points.nv],
             rims: grid.origin.map_or([false; 4], |part| part.rims()),

@@ -4,7 +4,7 @@
 //! faces away from the light it is dark already; so shadows need no bias on the very surfaces where a bias would show.
 
 use crate::cpu::tree::Tree;
-use crate::scene::facets::{Cut, meet_triangle, quads_of};
+use crate::scene::facets::{Cut, Sight, meet_triangle, quads_of};
 use crate::scene::shape::Shape;
 use crate::scene::source::Item;
 use crate::scene::world::Scene;
@@ -23,9 +23,7 @@ pub enum Occluder {
         inverse: u32,
     },
     Triangle {
-        a: Vec3,
-        ab: Vec3,
-        ac: Vec3,
+        corners: [Vec3; 3],
         /// How near the start of a ray it may be in its own way, as it stands off a curved surface; `None` if that is flat.
         room: Option<f32>,
     },
@@ -102,9 +100,9 @@ impl Bvh {
                     for [a, b, c, d] in quads_of(patch, cut, to_world) {
                         let long = [(b - a).length().max((c - d).length()), (d - a).length().max((c - b).length())];
                         let room = (!patch.flat).then(|| (long[0] * cut.room[0]).hypot(long[1] * cut.room[1]));
-                        let triangles = [(b - a, c - a), (c - a, d - a)];
-                        let sound = triangles.into_iter().filter(|(ab, ac)| ab.cross(*ac).length_squared() > 0.0);
-                        self.occluders.extend(sound.map(|(ab, ac)| (item, Occluder::Triangle { a, ab, ac, room })));
+                        let has_area = |[a, b, c]: &[Vec3; 3]| (*b - *a).cross(*c - *a).length_squared() > 0.0;
+                        let sound = [[a, b, c], [a, c, d]].into_iter().filter(has_area);
+                        self.occluders.extend(sound.map(|corners| (item, Occluder::Triangle { corners, room })));
                     }
                 }
             }
@@ -122,8 +120,8 @@ impl Bvh {
                 (m.w_axis.truncate() - reach, m.w_axis.truncate() + reach)
             }
             // A ray along the side of a box may miss it by a not-a-number, and an edge by what rounding makes of that.
-            Occluder::Triangle { a, ab, ac, .. } => {
-                let (lo, hi) = (a.min(a + ab).min(a + ac), a.max(a + ab).max(a + ac));
+            Occluder::Triangle { corners: [a, b, c], .. } => {
+                let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
                 let room = 1e-6 * lo.abs().max(hi.abs()).max_element();
                 (lo - room, hi + room)
             }
@@ -160,24 +158,26 @@ impl Bvh {
         if self.tree.is_empty() || !from.is_finite() || !dir.is_finite() {
             return;
         }
+        let sight = Sight::new(from, dir);
         self.tree.leaves(from, dir, f32::INFINITY, |leaf, length| {
             for (item, occluder) in &self.occluders[leaf] {
                 let is_own = own == Some(*item);
                 let mut push =
                     |t: Option<f32>, enters, along| met.extend(t.map(|t| Crossing { t, item: *item, enters, along }));
-                if let Occluder::Triangle { a, ab, ac, room } = *occluder {
+                if let Occluder::Triangle { corners, room } = *occluder {
+                    let [ab, ac] = edges_of(corners);
                     let near = match room {
                         // Of the numbers' rounding alone: what is opposite may be as near as a solid is thin.
                         None => bias[0].min(1e-5 * ab.length().max(ac.length()) + 1e-6 * from.abs().max_element()),
                         Some(room) => bias[is_own as usize].max(facet_room(room, is_own)),
                     };
                     // A ray through a corner meets a triangle there, at least: of two that share an edge, one counts.
-                    let t = meet_triangle(from, dir, a, [ab, ac], BESIDE).map(|(t, _)| t).filter(|t| *t > near);
+                    let t = meet_triangle(&sight, corners, BESIDE).map(|(t, _)| t).filter(|t| *t > near);
                     push(t, None, dir.dot(ab.cross(ac)));
                     continue;
                 }
-                let first = self.distance(is_own, occluder, from, dir, 0.0, bias);
-                let other = first.and_then(|t| self.distance(is_own, occluder, from, dir, t * (1.0 + 1e-6), bias));
+                let first = self.distance(is_own, occluder, &sight, 0.0, bias);
+                let other = first.and_then(|t| self.distance(is_own, occluder, &sight, t * (1.0 + 1e-6), bias));
                 // Of two crossings of a sphere the first enters; a lone one leaves it.
                 push(first, Some(other.is_some()), 0.0);
                 push(other, Some(false), 0.0);
@@ -198,10 +198,10 @@ impl Bvh {
             return false;
         }
         let dir = way / length;
-        let mut blocked = false;
+        let (mut blocked, sight) = (false, Sight::new(from, dir));
         self.tree.leaves(from, dir, length, |leaf, length| {
             blocked = self.occluders[leaf].iter().any(|(item, o)| {
-                !self.translucent[item.source as usize] && self.stops(*item == own, o, from, dir, length, bias)
+                !self.translucent[item.source as usize] && self.stops(*item == own, o, &sight, length, bias)
             });
             (!blocked).then_some(length)
         });
@@ -213,10 +213,10 @@ impl Bvh {
         if self.tree.is_empty() || !from.is_finite() || !dir.is_finite() {
             return None;
         }
-        let mut best: Option<(f32, Item)> = None;
+        let (mut best, sight): (Option<(f32, Item)>, _) = (None, Sight::new(from, dir));
         self.tree.leaves(from, dir, f32::INFINITY, |leaf, mut length| {
             for (item, occluder) in &self.occluders[leaf] {
-                if let Some(t) = self.distance(*item == own, occluder, from, dir, least, bias).filter(|t| *t < length) {
+                if let Some(t) = self.distance(*item == own, occluder, &sight, least, bias).filter(|t| *t < length) {
                     length = t;
                     best = Some((t, *item));
                 }
@@ -242,12 +242,11 @@ impl Bvh {
         if self.tree.is_empty() || !from.is_finite() || !dir.is_finite() {
             return;
         }
+        let sight = Sight::new(from, dir);
         self.tree.leaves(from, dir, length, |leaf, length| {
             for (item, occluder) in &self.occluders[leaf] {
                 let mut least = 0.0;
-                while let Some(t) =
-                    self.distance(*item == own, occluder, from, dir, least, bias).filter(|t| *t < length)
-                {
+                while let Some(t) = self.distance(*item == own, occluder, &sight, least, bias).filter(|t| *t < length) {
                     out.push((t, *item));
                     if matches!(occluder, Occluder::Triangle { .. }) {
                         break;
@@ -264,10 +263,10 @@ impl Bvh {
         if self.tree.is_empty() || !from.is_finite() || !dir.is_finite() {
             return false;
         }
-        let mut meets = false;
+        let (mut meets, sight) = (false, Sight::new(from, dir));
         self.tree.leaves(from, dir, f32::INFINITY, |leaf, length| {
             meets = self.occluders[leaf].iter().any(|(item, occluder)| {
-                self.distance(*item == own, occluder, from, dir, 0.0, bias).is_some_and(|t| t < length)
+                self.distance(*item == own, occluder, &sight, 0.0, bias).is_some_and(|t| t < length)
             });
             (!meets).then_some(length)
         });
@@ -276,15 +275,8 @@ impl Bvh {
 
     /// How far along a ray an occluder is met, from `least` on, and beyond what it cannot mean: the surface that the ray starts
     /// from, where it stands off what was shaded. `bias` as for [`Bvh::blocked`].
-    fn distance(
-        &self,
-        own: bool,
-        occluder: &Occluder,
-        from: Vec3,
-        dir: Vec3,
-        least: f32,
-        bias: [f32; 2],
-    ) -> Option<f32> {
+    fn distance(&self, own: bool, occluder: &Occluder, sight: &Sight, least: f32, bias: [f32; 2]) -> Option<f32> {
+        let Sight { from, dir, .. } = *sight;
         // The nearer crossing that is far enough.
         let root = |a: f32, b: f32, c: f32, near: f32| {
             let disc = b * b - a * c;
@@ -306,16 +298,17 @@ impl Bvh {
                 root(d.length_squared(), o.dot(d), o.length_squared() - 1.0, if own { bias[1] } else { 0.0 })
             }
             Occluder::Triangle { room: None, .. } if own => None,
-            Occluder::Triangle { a, ab, ac, room } => {
-                let near = near_start(own, room, [ab, ac], from, bias);
+            Occluder::Triangle { corners, room } => {
+                let near = near_start(own, room, edges_of(corners), from, bias);
                 let beside = if room.is_some() { BESIDE } else { 0.0 };
-                meet_triangle(from, dir, a, [ab, ac], beside).map(|(t, _)| t).filter(|t| *t > near.max(least))
+                meet_triangle(sight, corners, beside).map(|(t, _)| t).filter(|t| *t > near.max(least))
             }
         }
     }
 
     #[inline]
-    fn stops(&self, own: bool, occluder: &Occluder, from: Vec3, dir: Vec3, length: f32, bias: [f32; 2]) -> bool {
+    fn stops(&self, own: bool, occluder: &Occluder, sight: &Sight, length: f32, bias: [f32; 2]) -> bool {
+        let Sight { from, dir, .. } = *sight;
         match *occluder {
             Occluder::Sphere { center, radius } => {
                 !own && {
@@ -341,14 +334,20 @@ impl Bvh {
                     }
                 }
             }
-            Occluder::Triangle { a, ab, ac, room } => {
+            Occluder::Triangle { corners, room } => {
                 let beside = if room.is_some() { BESIDE } else { 0.0 };
                 !(own && room.is_none())
-                    && meet_triangle(from, dir, a, [ab, ac], beside)
-                        .is_some_and(|(t, _)| t < length && t > near_start(own, room, [ab, ac], from, bias))
+                    && meet_triangle(sight, corners, beside)
+                        .is_some_and(|(t, _)| t < length && t > near_start(own, room, edges_of(corners), from, bias))
             }
         }
     }
+}
+
+/// The edges of a triangle from its first corner.
+#[inline(always)]
+fn edges_of([a, b, c]: [Vec3; 3]) -> [Vec3; 2] {
+    [b - a, c - a]
 }
 
 /// How near the start of a ray from a surface a triangle does not count: of the surface's own where it may have been shaded, of others

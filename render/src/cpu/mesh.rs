@@ -2,6 +2,7 @@
 //! of their points starts on what it could meet, and no room has to be left around it.
 
 use crate::gprim::grid::{Grid, Origin};
+use crate::scene::facets::{Sight, meet_seen};
 use glam::{Vec2, Vec3, Vec3A};
 use sl::Global;
 
@@ -135,7 +136,7 @@ impl Mesh {
         mut visit: impl FnMut(f32, [usize; 3], [f32; 2]) -> f32,
     ) {
         let (origin, inv) = (Vec3A::from(from), Vec3A::from(dir).recip());
-        let (right, up) = dir.any_orthonormal_pair();
+        let sight = Sight::new(from, dir);
         let near = least.max(self.room);
         for (block, (min, max)) in self.blocks.iter().enumerate() {
             let (t0, t1) = ((*min - origin) * inv, (*max - origin) * inv);
@@ -147,8 +148,7 @@ impl Mesh {
             let mut seen = [[0.0f32; 3]; (BLOCK + 1) * (BLOCK + 1)];
             for j in j0..=j1 {
                 for i in i0..=i1 {
-                    let p = self.points[j * self.nu + i] - from;
-                    seen[(j - j0) * (BLOCK + 1) + i - i0] = [p.dot(right), p.dot(up), p.dot(dir)];
+                    seen[(j - j0) * (BLOCK + 1) + i - i0] = sight.seen(self.points[j * self.nu + i]);
                 }
             }
             for (i, j) in (j0..j1).flat_map(|j| (i0..i1).map(move |i| (i, j))) {
@@ -158,7 +158,9 @@ impl Mesh {
                 }
                 let [a, b, c, d] = [first, first + 1, first + BLOCK + 2, first + BLOCK + 1].map(|k| seen[k]);
                 for (half, triangle) in [[a, b, c], [a, c, d]].into_iter().enumerate() {
-                    let Some((t, at)) = meet_seen(triangle).filter(|(t, _)| *t > near && *t < length) else { continue };
+                    let Some((t, at)) = meet_seen(triangle, EDGE).filter(|(t, _)| *t > near && *t < length) else {
+                        continue;
+                    };
                     if self.trimmed.get(j * self.columns() + i) != Some(&true) {
                         length = visit(t, self.triangles(j * self.nu + i)[half], at);
                     }
@@ -225,22 +227,6 @@ fn passes_by(seen: &[[f32; 3]; (BLOCK + 1) * (BLOCK + 1)], first: usize) -> bool
         lo > room || hi < -room
     };
     beside(0) || beside(1)
-}
-
-/// How far along a ray it meets a triangle, given by its corners across and along the ray, and where: parts of the edges from the
-/// first corner. A ray that passes it by at most [`EDGE`] meets it.
-#[inline(always)]
-fn meet_seen([a, b, c]: [[f32; 3]; 3]) -> Option<(f32, [f32; 2])> {
-    let ([abx, aby], [acx, acy]) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
-    let det = abx * acy - aby * acx;
-    let (u, v) = (a[1] * acx - a[0] * acy, a[0] * aby - a[1] * abx);
-    let (u, v, size) = if det < 0.0 { (-u, -v, -det) } else { (u, v, det) };
-    let least = -EDGE * size;
-    if !(u >= least && v >= least && u + v <= size - least && size > 0.0) {
-        return None;
-    }
-    let (u, v) = (u / size, v / size);
-    Some((a[2] + u * (b[2] - a[2]) + v * (c[2] - a[2]), [u, v]))
 }
 
 /// A direction in four bytes: its place on an octahedron.

@@ -20,12 +20,13 @@ use rayon::prelude::*;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::OnceLock;
+use std::sync::atomic::AtomicU64;
 
 /// The part of the way to a light at whose end surfaces do not count.
 pub const BEFORE_END: f32 = 1.0 - 1e-4;
 
 /// What rounding makes of how far along a ray two facets are that share an edge, in parts of that and of where the ray begins.
-const ROUNDING: f32 = 1e-5;
+pub const ROUNDING: f32 = 1e-5;
 
 /// What rays meet.
 #[derive(Default)]
@@ -35,6 +36,17 @@ pub struct Rays<'a> {
     solids: Option<Hulls<'a>>,
     /// What closes the sky, once a shader asks for that.
     surroundings: OnceLock<Surroundings>,
+    /// How much rays have asked.
+    pub tally: Tally,
+}
+
+/// How much rays have asked, in all.
+#[derive(Default)]
+pub struct Tally {
+    /// Rays of `occlusion`.
+    pub occlusion: AtomicU64,
+    /// Surface shaders that were run for an opacity.
+    pub opacities: AtomicU64,
 }
 
 /// The surfaces of solids.
@@ -65,7 +77,7 @@ impl<'a> Rays<'a> {
         let hulls = || Hulls::new(scene, displaced(&is_part), |item| is_part(item) && !meshed(item));
         let solids = scene.sources.iter().any(|s| s.attributes.solid.is_some()).then(hulls);
         let surfaces = Bvh::build(scene, |item| open(item) && !meshed(item));
-        Rays { surfaces, displaced: displaced(&open), solids, surroundings: OnceLock::new() }
+        Rays { surfaces, displaced: displaced(&open), solids, surroundings: OnceLock::new(), tally: Tally::default() }
     }
 
     /// What displacement shaders meet, if any of a scene traces: what does not itself wait for such a shader.

@@ -13,7 +13,7 @@ use crate::scene::world::Scene;
 use crate::stats::{Seconds, Stats};
 use rayon::prelude::*;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Render an image; `progress` is called with the buckets done and in all.
@@ -56,6 +56,9 @@ pub fn render(scene: &Scene, options: &Options, camera: Camera, progress: &(dyn 
     };
     let of_buckets: Vec<Stats> = own.par_iter().with_max_len(1).map(render).collect();
     stats = of_buckets.into_iter().fold(stats, Stats::add);
+    let count = |of: &AtomicU64| of.load(Ordering::Relaxed);
+    (stats.occlusion_rays, stats.opacity_runs) =
+        (count(&frame.rays.tally.occlusion), count(&frame.rays.tally.opacities));
     let (image, identities) = drawn.into_inner().unwrap_or_else(|e| e.into_inner());
     Drawn { image, stats, identities }
 }

@@ -5,6 +5,7 @@
 //! micropolygon that is visible there, which is shaded when nothing more will hide it (`crate::cpu::deferred`).
 
 pub mod cull;
+pub mod edges;
 pub mod layers;
 pub mod pixels;
 pub mod solids;
@@ -12,12 +13,11 @@ pub mod visible;
 
 use crate::cpu::lanes::LANES;
 use crate::cpu::micropolygon::Micropolygon;
+pub(crate) use crate::cpu::samples::edges::EDGE;
+use crate::cpu::samples::edges::{Around, AtEdge};
 use crate::film::display::{self, Aov};
 use crate::film::jitter::{Jitter, PERIOD};
 use crate::scene::camera::{RasterPlane, is_clipped};
-
-/// A micropolygon's edge is taken this much wider, pixels, so that rounding opens no crack between neighbours.
-pub(crate) const EDGE: f32 = 1.5e-3;
 
 /// Strata along x and y of a cell, whose samples are tested together. Whole cells make up a block.
 pub(crate) const CELL: [usize; 2] = [4, LANES / 4];
@@ -42,8 +42,8 @@ struct Layer {
     next: u32,
     /// Of a solid, the primitive that is met, and whether the sample's line enters it.
     solid: Option<(u32, bool)>,
-    /// It is met at an edge of its primitive, where a neighbour of the same whole may be met, too.
-    at_rim: bool,
+    /// Where it is met.
+    at_edge: AtEdge,
     /// It counts at the depth where nothing more is seen, too.
     last: bool,
 }
@@ -60,6 +60,8 @@ pub struct SampledGrid<'a> {
     pub index: usize,
     /// All opaque.
     pub opaque: bool,
+    /// That was not known before it was shaded: it is sampled as layers are.
+    pub as_layers: bool,
     /// Colour is interpolated over a micropolygon.
     pub smooth: bool,
     /// Points of the grid along u and v, and whether its first and last along u and along v are edges of the primitive.
@@ -79,27 +81,15 @@ pub struct SampledGrid<'a> {
     pub is_probe: bool,
 }
 
-/// The weight of the corner over against an edge, below which a sample lies on that edge.
-const ON_EDGE: f32 = 1e-3;
-
-/// The weight of a corner from which on a sample lies at it.
-const AT_CORNER: f32 = 0.95;
-
 impl SampledGrid<'_> {
-    /// Whether a place in a triangle of a micropolygon lies on an edge of the primitive.
-    fn is_at_rim(&self, m: Micropolygon, [w1, w2]: [f32; 2]) -> bool {
-        let ([nu, nv], k) = (self.size, m.point());
-        let (i, j) = (k % nu, k / nu);
+    /// A micropolygon, by its first point, with its corners from a sample on.
+    #[inline]
+    pub(crate) fn around(&self, point: usize, corners: [[f32; 2]; 4]) -> Around {
+        let [nu, nv] = self.size;
+        let (i, j) = (point % nu, point / nu);
+        let outer = [j == 0, i + 2 == nu, j + 2 == nv, i == 0];
         let [low_u, high_u, low_v, high_v] = self.rims;
-        let (low_u, high_u, low_v, high_v) =
-            (low_u && i == 0, high_u && i + 2 == nu, low_v && j == 0, high_v && j + 2 == nv);
-        let w0 = 1.0 - w1 - w2;
-        // Over against the first corner and the third; of the second triangle against the first and the second.
-        let (edges, across, far) =
-            if m.is_second() { ([(w0, high_v), (w1, low_u)], w2, w1) } else { ([(w0, high_u), (w2, low_v)], w1, w2) };
-        // Beyond the diagonal, at a corner that it ends in, the edges of the other triangle are as near.
-        let at_corner = (w0 >= AT_CORNER && (low_u || low_v)) || (far >= AT_CORNER && (high_u || high_v));
-        edges.into_iter().any(|(weight, is_outer)| is_outer && weight <= ON_EDGE) || across <= 0.0 && at_corner
+        Around { corners, outer, rims: [low_v, high_u, high_v, low_u] }
     }
 }
 
@@ -342,7 +332,7 @@ impl Samples {
         k: usize,
         z: f32,
         micropolygon: Micropolygon,
-        weights: [f32; 2],
+        (weights, at_edge): ([f32; 2], AtEdge),
         grid: &SampledGrid<'_>,
         area: impl FnOnce() -> f32,
     ) {
@@ -352,7 +342,7 @@ impl Samples {
             (self.weights[0][k], self.weights[1][k]) = (weights[0], weights[1]);
         } else if !grid.is_probe {
             let area = if grid.solid.is_some() { area() } else { 0.0 };
-            self.record_layer(k, z, micropolygon, weights, grid, area);
+            self.record_layer(k, z, micropolygon, weights, grid, (at_edge, area));
         }
     }
 
@@ -365,7 +355,7 @@ impl Samples {
         micropolygon: Micropolygon,
         weights: [f32; 2],
         grid: &SampledGrid<'_>,
-        area: f32,
+        (at_edge, area): (AtEdge, f32),
     ) {
         if grid.seen != [0.0, 1.0] {
             let part = self.part(k);
@@ -379,7 +369,6 @@ impl Samples {
         let solid = grid.solid.map(|(leaf, positive)| (leaf, (area > 0.0) == positive));
         // Every surface of a solid counts.
         let (primitive, whole) = if solid.is_some() { (NO_PRIMITIVE, None) } else { (grid.primitive, grid.whole) };
-        let at_rim = whole.is_some() && grid.is_at_rim(micropolygon, weights);
         let next = std::mem::replace(&mut self.list[k], self.layers.len() as u32);
         let (color, open, alpha, half_z) = ([0.0; 3], [1.0; 3], [0.0; 3], f32::INFINITY);
         let (sample, last) = (k as u32, false);
@@ -396,7 +385,7 @@ impl Samples {
             sample,
             next,
             solid,
-            at_rim,
+            at_edge,
             last,
         });
     }

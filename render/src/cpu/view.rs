@@ -3,11 +3,12 @@
 //! Rays that ask for colour are followed together, from layer to layer of what is translucent: the points of a layer where they
 //! meet one primitive are shaded in one run, with its surface shader and the lights that shine on it; where a shader looks at
 //! neighbouring points, which rays have not, each is a run of its own. Rays that such a shader sends are followed as far as `Option "trace" "maxdepth"` says, and those that are
-//! many from one point, which gather light from all around, as far as `"maxdiffusedepth"`.
+//! many from one point, which gather light from all around, as far as `"maxdiffusedepth"`. A ray that asks how opaque a surface is runs
+//! what of the surface shader Oi depends on; where that asks `occlusion` in turn, beyond this depth nothing is hidden.
 
 use crate::cpu::globals::{fill_velocity, surface_globals};
 use crate::cpu::met::{Hit, Met, meet, meet_displaced};
-use crate::cpu::rays::{BEFORE_END, Rays};
+use crate::cpu::rays::{BEFORE_END, ROUNDING, Rays};
 use crate::cpu::volumes::Leg;
 use crate::scene::attributes::Attributes;
 use crate::scene::shape::Shape;
@@ -19,6 +20,7 @@ use sl::ir::{Ask, Lookup};
 use sl::machine::{Answer, BoundShader, Emitter, Machine, MapQuery, Open, OpenPlace, Points, Ray, Segment};
 use std::cell::RefCell;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 /// How deep rays are followed if no option says: single ones, and those that are many from one point.
 const MAX_DEPTH: [u32; 2] = [4, 1];
@@ -26,7 +28,7 @@ const MAX_DEPTH: [u32; 2] = [4, 1];
 /// Translucent surfaces that a ray passes before it is stopped.
 const MAX_LAYERS: usize = 64;
 
-/// Surfaces whose shaders are asked for their opacity one from within another: their lights' rays may meet others.
+/// Surfaces whose shaders are asked for their opacity one from within another: the rays of their lights may meet others.
 const MAX_NESTED: u32 = 2;
 
 /// The scene from one primitive.
@@ -53,6 +55,17 @@ pub struct View<'a> {
     pub depth: u32,
     /// The last of them was one of many.
     pub diffuse: bool,
+    /// How many of them asked for an opacity alone.
+    pub asked: u32,
+}
+
+/// What a ray asks of a surface.
+#[derive(Clone, Copy, PartialEq)]
+enum Wanted {
+    /// Colour and opacity, for a ray of its own or one of many from a point.
+    Color { many: bool },
+    /// The opacity alone.
+    Opacity,
 }
 
 thread_local! {
@@ -76,11 +89,12 @@ impl<'a> View<'a> {
             attributes,
             depth: 0,
             diffuse: false,
+            asked: 0,
         }
     }
 
     /// The colours and opacities of an item where rays meet it, one a hit.
-    fn shade(&self, item: Item, hits: &[Hit], diffuse: bool) -> Vec<[[f32; 3]; 2]> {
+    fn shade(&self, item: Item, hits: &[Hit], wanted: Wanted) -> Vec<[[f32; 3]; 2]> {
         let view = self.scene.view(item);
         let (mut machine, mut points) = SPARE.with(|s| s.borrow_mut().pop()).unwrap_or_default();
         let met: Vec<Met> = hits.iter().map(|hit| self.meet(item, &view, hit)).collect();
@@ -90,7 +104,7 @@ impl<'a> View<'a> {
         for run in met.chunk_by(|a, b| !is_alone && a.has_uniform_of(b)) {
             let hits = &hits[first..first + run.len()];
             first += run.len();
-            self.shade_run(item, &view, (hits, run), diffuse, (&mut machine, &mut points));
+            self.shade_run(item, &view, (hits, run), wanted, (&mut machine, &mut points));
             let n = run.len();
             let triple = |global: Global, k: usize| match points.get(global) {
                 Some(&[r, g, b]) => [r, g, b],
@@ -109,10 +123,12 @@ impl<'a> View<'a> {
         item: Item,
         view: &ItemView<'a>,
         (hits, met): (&[Hit], &[Met]),
-        diffuse: bool,
+        wanted: Wanted,
         (machine, points): (&mut Machine, &mut Points),
     ) {
         let a = view.attributes;
+        // What is asked for its opacity makes no colours.
+        let surface = if wanted == Wanted::Opacity { a.surface.of_opacity() } else { &a.surface };
         (points.nu, points.nv) = (met.len(), 1);
         points.orientation = if a.reversed != (view.to_world.determinant() < 0.0) { -1.0 } else { 1.0 };
         view.fill_variables(points);
@@ -125,7 +141,7 @@ impl<'a> View<'a> {
             points.refill(global).extend(met.iter().map(of));
         }
         view.set_coordinates(points);
-        self.displace(item, view, met, (machine, points));
+        self.displace(item, view, (surface, met), (machine, points));
         let side = if a.reversed { -1.0 } else { 1.0 };
         fill_triples(points, Global::P, met.iter().map(|m| m.place));
         fill_triples(points, Global::N, met.iter().map(|m| m.normal * side));
@@ -134,17 +150,28 @@ impl<'a> View<'a> {
         let moment = moves.then(|| view.source.moves.first().map_or(1.0, |(time, _)| *time));
         fill_velocity(points, view, moment, None, self.scene.shutter);
         surface_globals(points, view, Vec3::ZERO, 0.0);
-        if a.surface.program.global(Global::E).is_some() {
+        if surface.program.global(Global::E).is_some() {
             fill_triples(points, Global::E, hits.iter().map(|hit| hit.from));
         }
-        let scene = View { depth: self.depth + 1, diffuse, ..View::new(self.scene, self.rays, item, view, self.bias) };
-        machine.run_with(&a.surface, &view.attached.surface, points, &scene);
+        let scene = View {
+            depth: self.depth + 1,
+            diffuse: wanted == Wanted::Color { many: true },
+            asked: self.asked + (wanted == Wanted::Opacity) as u32,
+            ..View::new(self.scene, self.rays, item, view, self.bias)
+        };
+        machine.run_with(surface, &view.attached.surface, points, &scene);
     }
 
     /// Run the displacement shader of an item where rays meet it, if the surface shader asks what it leaves.
-    fn displace(&self, item: Item, view: &ItemView<'a>, met: &[Met], (machine, points): (&mut Machine, &mut Points)) {
+    fn displace(
+        &self,
+        item: Item,
+        view: &ItemView<'a>,
+        (surface, met): (&BoundShader, &[Met]),
+        (machine, points): (&mut Machine, &mut Points),
+    ) {
         let a = view.attributes;
-        let Some(displacement) = a.displacement.as_ref().filter(|_| a.surface.program.asks_displacement) else {
+        let Some(displacement) = a.displacement.as_ref().filter(|_| surface.program.asks_displacement) else {
             return;
         };
         let side = if a.reversed { -1.0 } else { 1.0 };
@@ -234,11 +261,27 @@ impl<'a> View<'a> {
         self.bias[0].max(1e-5 * distance)
     }
 
-    /// Let a ray pass a surface at a distance: what is left of it, and how far it has come. Whether it goes on.
-    fn pass(&self, open: &mut [f32; 3], least: &mut f32, distance: f32, opacity: [f32; 3]) -> bool {
-        (0..3).for_each(|c| open[c] *= (1.0 - opacity[c]).clamp(0.0, 1.0));
-        *least = distance + self.step(distance);
-        !nearly_none(*open)
+    /// Let a ray pass an item at a distance. Whether it goes on.
+    fn pass(&self, path: &mut Path<'_>, (distance, item): (f32, Item), opacity: [f32; 3]) -> bool {
+        (0..3).for_each(|c| path.open[c] *= (1.0 - opacity[c]).clamp(0.0, 1.0));
+        // What is in one place is met once.
+        path.least = distance + ROUNDING * (distance.abs() + path.from.abs().max_element());
+        path.last = Some((distance + self.step(distance), self.scene.whole_of(item)));
+        !nearly_none(path.open)
+    }
+
+    /// The next that a ray meets; of what it passed last, nothing that is met too soon.
+    fn next_along(&self, path: &Path<'_>) -> Option<(f32, Item)> {
+        let mut least = path.least;
+        for _ in 0..MAX_LAYERS {
+            let (distance, item) = self.rays.nearest(self.item, path.from, path.dir, least, self.bias)?;
+            let is_same = |(until, whole)| distance < until && self.scene.whole_of(item) == whole;
+            if !path.last.is_some_and(is_same) {
+                return Some((distance, item));
+            }
+            least = distance;
+        }
+        None
     }
 
     /// What comes along a ray from where it meets an item, through the volume before that.
@@ -264,7 +307,8 @@ impl<'a> View<'a> {
         if self.scene.sources[item.source as usize].shadow_is_known() || self.depth >= MAX_NESTED {
             return attributes.opacity;
         }
-        let [[_, opacity]] = self.shade(item, &[Hit { from, dir, distance }], false)[..] else {
+        self.rays.tally.opacities.fetch_add(1, Ordering::Relaxed);
+        let [[_, opacity]] = self.shade(item, &[Hit { from, dir, distance }], Wanted::Opacity)[..] else {
             unreachable!("an answer a hit")
         };
         opacity
@@ -330,6 +374,8 @@ struct Path<'a> {
     open: [f32; 3],
     /// How far it has come.
     least: f32,
+    /// The primitive that it passed last, and how far it does not meet that again.
+    last: Option<(f32, u32)>,
     /// Attributes of the surface that it started from or passed last, and how far along it that is.
     passed: &'a Attributes,
     at: f32,
@@ -424,6 +470,11 @@ impl sl::machine::Scene for View<'_> {
     }
 
     fn hidden(&self, rays: &[Ray], hidden: &mut [f32]) {
+        // A surface that is asked for its opacity by a ray of many asks as many in turn, as deep as these are followed.
+        if self.asked > 0 && self.asked >= self.max_depth(true) {
+            return hidden.fill(0.0);
+        }
+        self.rays.tally.occlusion.fetch_add(rays.len() as u64, Ordering::Relaxed);
         for (ray, hidden) in rays.iter().zip(hidden) {
             let dir = Vec3::from(ray.direction);
             let from = self.start(ray.from.into(), dir);
@@ -469,6 +520,7 @@ impl sl::machine::Scene for View<'_> {
                 dir,
                 open: [1.0; 3],
                 least: 0.0,
+                last: None,
                 passed: self.attributes,
                 at: 0.0,
             }
@@ -477,8 +529,8 @@ impl sl::machine::Scene for View<'_> {
         let mut alive: Vec<usize> = (0..rays.len()).collect();
         for _ in 0..MAX_LAYERS {
             let nearest = |ray: &usize| {
-                let Path { from, dir, least, .. } = paths[*ray];
-                let (distance, item) = self.rays.nearest(self.item, from, dir, least, self.bias)?;
+                let (distance, item) = self.next_along(&paths[*ray])?;
+                let Path { from, dir, .. } = paths[*ray];
                 (distance < f32::INFINITY).then_some((item, *ray, Hit { from, dir, distance }))
             };
             let mut layer: Vec<(Item, usize, Hit)> = alive.iter().filter_map(nearest).collect();
@@ -486,7 +538,7 @@ impl sl::machine::Scene for View<'_> {
             alive.clear();
             for of_item in layer.chunk_by(|a, b| a.0 == b.0) {
                 let hits: Vec<Hit> = of_item.iter().map(|(_, _, hit)| *hit).collect();
-                let shaded = self.shade(of_item[0].0, &hits, many);
+                let shaded = self.shade(of_item[0].0, &hits, Wanted::Color { many });
                 for ((item, ray, hit), light) in of_item.iter().zip(shaded) {
                     let path = &mut paths[*ray];
                     // `Points` are disks before the ray.
@@ -495,7 +547,7 @@ impl sl::machine::Scene for View<'_> {
                     let [ci, oi] = self.through_volume(path, *item, hit, light);
                     (path.passed, path.at) = (self.scene.attributes(*item), hit.distance);
                     (0..3).for_each(|c| colors[*ray][c] += path.open[c] * ci[c]);
-                    if self.pass(&mut path.open, &mut path.least, hit.distance, oi) {
+                    if self.pass(path, (hit.distance, *item), oi) {
                         alive.push(*ray);
                     }
                 }

@@ -145,15 +145,17 @@ fn is_inside(parts: vec3<f32>, slack: f32) -> bool {
     return all(turned >= vec3<f32>(slack)) && area != 0.0;
 }
 
-// Where a sample meets a micropolygon.
+// Where a sample meets a micropolygon; and what is known of a layer there beside its id.
 struct Met {
     is_met: bool,
     is_second: bool,
     weights: vec3<f32>,
     z: f32,
+    flags: u32,
 }
 
-fn meet_at(t: Track, place: vec2<f32>, moment: vec4<f32>) -> Met {
+// The corners of a micropolygon at a moment, from a sample on.
+fn corners_at(t: Track, place: vec2<f32>, moment: vec4<f32>) -> array<vec2<f32>, 4> {
     var x = rounded4(t.x0 + rounded4(t.x1 * moment.x)) - place.x;
     var y = rounded4(t.y0 + rounded4(t.y1 * moment.x)) - place.y;
     if has_lens() {
@@ -161,21 +163,21 @@ fn meet_at(t: Track, place: vec2<f32>, moment: vec4<f32>) -> Met {
         x = rounded4(x) + rounded4(moment.y * spread);
         y = rounded4(y) + rounded4(moment.z * spread);
     }
-    let a = vec2<f32>(x.x, y.x);
-    let b = vec2<f32>(x.y, y.y);
-    let c = vec2<f32>(x.z, y.z);
-    let d = vec2<f32>(x.w, y.w);
-    let diagonal = cross2(a, c);
-    let first = vec3<f32>(cross2(b, c), -diagonal, cross2(a, b));
-    let second = vec3<f32>(cross2(c, d), cross2(d, a), diagonal);
-    let in_first = is_inside(first, t.slack);
-    var met: Met;
-    met.is_met = in_first || is_inside(second, t.slack);
-    met.is_second = !in_first;
-    if !met.is_met {
-        return met;
+    return array<vec2<f32>, 4>(vec2<f32>(x.x, y.x), vec2<f32>(x.y, y.y), vec2<f32>(x.z, y.z), vec2<f32>(x.w, y.w));
+}
+
+// Twice the areas over against the corners of a triangle.
+fn parts_of(at: array<vec2<f32>, 4>, is_second: bool) -> vec3<f32> {
+    let diagonal = cross2(at[0], at[2]);
+    if is_second {
+        return vec3<f32>(cross2(at[2], at[3]), cross2(at[3], at[0]), diagonal);
     }
-    let parts = select(second, first, in_first);
+    return vec3<f32>(cross2(at[1], at[2]), -diagonal, cross2(at[0], at[1]));
+}
+
+// Where a sample meets a triangle.
+fn met_in(t: Track, moment: vec4<f32>, at: array<vec2<f32>, 4>, is_second: bool) -> Met {
+    let parts = parts_of(at, is_second);
     let area = rounded(parts.x + parts.y) + parts.z;
     var w = vec3<f32>(quotient(parts.x, area), quotient(parts.y, area), quotient(parts.z, area));
     if !has_lens() || any(w < vec3<f32>()) {
@@ -184,10 +186,29 @@ fn meet_at(t: Track, place: vec2<f32>, moment: vec4<f32>) -> Met {
         w = vec3<f32>(quotient(w.x, sum), quotient(w.y, sum), quotient(w.z, sum));
     }
     let z = t.z0 + rounded4(t.z1 * moment.x);
-    let others = select(z.zw, z.yz, in_first);
-    met.weights = w;
-    met.z = rounded(rounded(z.x * w.x) + rounded(others.x * w.y)) + rounded(others.y * w.z);
-    return met;
+    let others = select(z.yz, z.zw, is_second);
+    return Met(true, is_second, w, rounded(rounded(z.x * w.x) + rounded(others.x * w.y)) + rounded(others.y * w.z), 0u);
+}
+
+fn meet_at(t: Track, place: vec2<f32>, moment: vec4<f32>) -> Met {
+    let at = corners_at(t, place, moment);
+    let in_first = is_inside(parts_of(at, false), t.slack);
+    if !in_first && !is_inside(parts_of(at, true), t.slack) {
+        return Met();
+    }
+    return met_in(t, moment, at, !in_first);
+}
+
+// A micropolygon from the moment on that holds at a time.
+fn track_at(m: vec4<u32>, time: f32) -> Track {
+    let grid = tracks[m.w];
+    var key = 0u;
+    for (var next = 1u; next < tracks[m.w + 1u].x; next += 1u) {
+        if time >= bitcast<f32>(tracks[grid.w + next].x) {
+            key = next;
+        }
+    }
+    return track_of(m, key, bitcast<vec4<f32>>(tracks[grid.w + key]));
 }
 
 fn corner_of_image() -> vec2<i32> {

@@ -1,6 +1,7 @@
 // The first pass over micropolygons that move or are out of focus: the least depth at each sample.
 // out  depth   [n_samples]  the key of the depth of what is nearest
 #import blur
+#import blur_choice
 #import blur_sampling
 #import takes
 

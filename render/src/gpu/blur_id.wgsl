@@ -4,6 +4,7 @@
 // in   before   [n_samples]  the same before these micropolygons
 // out  visible  [n_samples]  the id of what is visible: twice the micropolygon, and 1 more for its second triangle
 #import blur
+#import blur_choice
 #import blur_sampling
 #import takes
 

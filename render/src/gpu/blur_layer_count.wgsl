@@ -3,6 +3,9 @@
 // in   planes  [2 n]        clipping planes: what counts times the depth, and what counts alone
 // out  counts  [n]          of the samples that are taken; 0 so far
 #import blur
+#import layer_ids
+#import layer_edges
+#import blur_layer_choice
 #import blur_sampling
 #import takes
 #import layered

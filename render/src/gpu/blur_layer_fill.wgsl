@@ -4,6 +4,9 @@
 // inout ends    [n]          where the next layer of a sample is put; then where its list ends
 // out   layers  [n_layers]   key of the depth, and id
 #import blur
+#import layer_ids
+#import layer_edges
+#import blur_layer_choice
 #import blur_sampling
 #import takes
 #import layered

@@ -1,6 +1,9 @@
-// The layers of faces of meshes, of samples that move or are out of focus.
+// The layers of samples that move or are out of focus.
 #import blur
 #import blur_weights
+#import layer_ids
+#import layer_edges
+#import blur_layer_slack
 #import join
 
 @group(0) @binding(6) var<storage, read> grids: array<vec4<u32>>;

@@ -32,9 +32,12 @@ fn sample_strata(t: Track, index: u32, held: vec2<f32>, first: u32, last: u32) {
                 if any(place < box.xy) || any(place > box.zw) || moment.x < held.x || moment.x >= held.y {
                     continue;
                 }
-                let met = meet_at(t, place, moment);
+                var met = meet_at(t, place, moment);
                 if met.is_met {
-                    take((y * params[2] + x) * n + sample, key_of(met.z), 2u * index + u32(met.is_second));
+                    met = choose(micropolygons[index], t, place, moment, met);
+                }
+                if met.is_met {
+                    take((y * params[2] + x) * n + sample, key_of(met.z), (2u * index + u32(met.is_second)) | met.flags);
                 }
             }
         }

@@ -15,13 +15,6 @@ fn weights_at(sample: u32, m: vec4<u32>, is_second: bool) -> vec2<f32> {
     let n = params[4] * params[5];
     let pixel = vec2<u32>(sample / n % params[2], sample / n / params[2]);
     let moment = moment_of(sample);
-    let grid = tracks[m.w];
-    var key = 0u;
-    for (var next = 1u; next < tracks[m.w + 1u].x; next += 1u) {
-        if moment.x >= bitcast<f32>(tracks[grid.w + next].x) {
-            key = next;
-        }
-    }
-    let met = meet_at(track_of(m, key, bitcast<vec4<f32>>(tracks[grid.w + key])), place_of(pixel, sample % n), moment);
-    return met.weights.yz;
+    let t = track_at(m, moment.x);
+    return met_in(t, moment, corners_at(t, place_of(pixel, sample % n), moment), is_second).weights.yz;
 }

@@ -1,16 +1,17 @@
-// Composition: the layers of a sample, nearest first, over what is opaque there. Layers of a primitive that are very near to each other
-// are one: a sample on an edge that two micropolygons share meets both.
+// Composition: the layers of a sample, nearest first, over what is opaque there.
 // in    colors     [n_points]   colours of points, by their opacity
 // in    opacities  [n_points]
 // in    ends       [n]          where the list of a sample ends
-// inout layers     [n_layers]   key of the depth, and id; none of what repeats another, as far as `join` has found it or then
+// in    layers     [n_layers]   key of the depth, and id; none of what repeats another
 // inout depth      [n_samples]  the key of the depth of what is opaque; then of what is half opaque
 // inout color      [n_samples]  colour and coverage
 // out   visible    [n_samples]  the id of what is nearest and lets nothing through at any corner, if that is a layer
 // Twin: cpu/samples/layers.rs
 #import within
 #import layer_lists
-#import layer_repeats
+
+// The id of none.
+const NONE: u32 = 0xffffffffu;
 
 // The light that counts as none.
 const CLOSED: f32 = 9.094947e-13;
@@ -140,10 +141,6 @@ fn compose(k: u32) {
                 break;
             }
             let m = micropolygons[layer.y >> 1u];
-            if repeats(first, at, z, grids[grid_of(m)].x) {
-                layers[at].y = NONE;
-                continue;
-            }
             if lay(&sum, k, sample, layer.y, m, z) && visible[sample] == NONE {
                 visible[sample] = layer.y;
             }

@@ -1,5 +1,5 @@
-// Layers of faces of a mesh that are met on an edge that they share become one, as those of one primitive that are very near to each other do:
-// what repeats another has no id any more.
+// Layers of one primitive that are very near to each other become one, where grids meet on a steep surface as far as their depths may differ there;
+// and so do those of faces of a mesh that are met on an edge that they share. What repeats another has no id any more.
 // in    ends    [n]         where the list of a sample ends
 // inout layers  [n_layers]  key of the depth, and id; none of what repeats another
 // in    params  [16]        those of `layered`, as far as these
@@ -10,15 +10,6 @@
 // The same of what is met at one depth, but for rounding.
 const COINCIDENT: f32 = 2e-6;
 
-// The weight of the corner over against an edge, below which a sample lies on that edge; and that of a corner from which on a sample lies at it.
-const ON_EDGE: f32 = 1e-3;
-const AT_CORNER: f32 = 0.95;
-
-// What is known of a layer, beside its id: it lies on an edge of its primitive; another face was met with it.
-const AT_RIM: u32 = 0x80000000u;
-const JOINED: u32 = 0x40000000u;
-const ID: u32 = 0x3fffffffu;
-
 // Layers that one loop goes through.
 const RUN: u32 = 32768u;
 
@@ -26,35 +17,8 @@ fn grid_of_layer(id: u32) -> u32 {
     return grid_of(micropolygons[(id & ID) >> 1u]);
 }
 
-// Whether a place in a triangle of a micropolygon lies on an edge of the primitive.
-fn is_at_rim(sample: u32, id: u32) -> bool {
-    let m = micropolygons[id >> 1u];
-    let rims = grids[grid_of(m) + 1u].w;
-    let k = m.x - grids[grid_of(m) + 1u].z;
-    let i = k % m.y;
-    let j = k / m.y;
-    let low_u = (rims & 1u) != 0u && i == 0u;
-    let high_u = (rims & 2u) != 0u && i + 2u == m.y;
-    let low_v = (rims & 4u) != 0u && j == 0u;
-    let high_v = (rims & 8u) != 0u && j + 2u == grids[grid_of(m)].y / m.y;
-    if !(low_u || high_u || low_v || high_v) {
-        return false;
-    }
-    let is_second = (id & 1u) != 0u;
-    let w = weights_at(sample, m, is_second);
-    let first = 1.0 - w.x - w.y;
-    // Over against the first corner and the third; of the second triangle against the first and the second.
-    let on_edge = (first <= ON_EDGE && select(high_u, high_v, is_second))
-        || (select(w.y, w.x, is_second) <= ON_EDGE && select(low_v, low_u, is_second));
-    let across = select(w.x, w.y, is_second);
-    let far = select(w.y, w.x, is_second);
-    // Beyond the diagonal, at a corner that it ends in, the edges of the other triangle are as near.
-    let at_corner = (first >= AT_CORNER && (low_u || low_v)) || (far >= AT_CORNER && (high_u || high_v));
-    return on_edge || (across <= 0.0 && at_corner);
-}
-
-// Let a layer be one with the last before it that is of its mesh, if that is near.
-fn join(first: u32, at: u32, tolerance: f32, again: bool) {
+// Let a layer be one with the last before it that is of its mesh, if that is near; no depths differ by more than `most` at sides of grids.
+fn join(sample: u32, first: u32, at: u32, tolerance: f32, again: bool, most: f32) {
     let v = layers[at];
     if v.y == NONE {
         return;
@@ -66,7 +30,8 @@ fn join(first: u32, at: u32, tolerance: f32, again: bool) {
     let z = depth_of(v.x);
     for (var k = at; k > first; k -= 1u) {
         let before = layers[k - 1u];
-        if z - depth_of(before.x) > rounded(tolerance * z) {
+        let apart = z - depth_of(before.x);
+        if apart > rounded(tolerance * z) + most {
             return;
         }
         if before.y == NONE || grids[grid_of_layer(before.y)].w != whole {
@@ -74,7 +39,8 @@ fn join(first: u32, at: u32, tolerance: f32, again: bool) {
         }
         let before_waits = (before.y & AT_RIM) != 0u && (again || (before.y & JOINED) == 0u);
         let waits = (v.y & AT_RIM) != 0u && (again || (v.y & JOINED) == 0u);
-        if before_waits || waits {
+        let is_near = apart <= rounded(tolerance * z) || is_within_slack(sample, before, v, tolerance);
+        if is_near && (before_waits || waits) {
             layers[at].y = NONE;
             layers[k - 1u].y |= JOINED;
         }
@@ -82,10 +48,10 @@ fn join(first: u32, at: u32, tolerance: f32, again: bool) {
     }
 }
 
-fn join_all(first: u32, end: u32, tolerance: f32, again: bool) {
+fn join_all(sample: u32, first: u32, end: u32, tolerance: f32, again: bool, most: f32) {
     for (var run = first; run < end; run += RUN) {
         for (var at = run; at < min(end, run + RUN); at += 1u) {
-            join(first, at, tolerance, again);
+            join(sample, first, at, tolerance, again, most);
         }
     }
 }
@@ -98,28 +64,35 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let first = first_layer(k);
     let end = ends[k];
-    if end - first < 2u {
-        return;
+    let sample = params[13] + k;
+    // How far depths of one surface may differ at sides of grids, at most.
+    var most = 0.0;
+    for (var run = first; run < end; run += RUN) {
+        for (var at = run; at < min(end, run + RUN); at += 1u) {
+            if (layers[at].y & AT_SIDE) != 0u {
+                most = max(most, slack_of(sample, layers[at].y));
+            }
+        }
     }
+    most = 2.0 * most;
     var any_at_rim = false;
     for (var run = first; run < end; run += RUN) {
         for (var at = run; at < min(end, run + RUN); at += 1u) {
             let layer = layers[at];
             let grid = grid_of_layer(layer.y);
-            let is_of_mesh = grids[grid].w != 0u;
-            if repeats(first, at, depth_of(layer.x), grids[grid].x) {
+            let primitive = grids[grid].x;
+            if repeats(first, at, depth_of(layer.x), primitive)
+                || ((layer.y & AT_SIDE) != 0u && repeats_at_side(sample, first, at, primitive, most)) {
                 layers[at].y = NONE;
-            } else if is_of_mesh && is_at_rim(params[13] + k, layer.y) {
-                layers[at].y |= AT_RIM;
+            } else if grids[grid].w != 0u && (layer.y & AT_RIM) != 0u {
                 any_at_rim = true;
             }
         }
     }
-    if !any_at_rim {
-        return;
+    if any_at_rim {
+        join_all(sample, first, end, COINCIDENT, true, most);
+        join_all(sample, first, end, SAME, false, most);
     }
-    join_all(first, end, COINCIDENT, true);
-    join_all(first, end, SAME, false);
     for (var run = first; run < end; run += RUN) {
         for (var at = run; at < min(end, run + RUN); at += 1u) {
             if layers[at].y != NONE {

@@ -9,7 +9,7 @@
 @group(0) @binding(4) var<storage, read> opacities: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> grids: array<vec4<u32>>;
 @group(0) @binding(6) var<storage, read> ends: array<u32>;
-@group(0) @binding(7) var<storage, read_write> layers: array<vec2<u32>>;
+@group(0) @binding(7) var<storage, read> layers: array<vec2<u32>>;
 @group(0) @binding(8) var<storage, read_write> depth: array<u32>;
 @group(0) @binding(9) var<storage, read_write> color: array<vec4<f32>>;
 @group(0) @binding(10) var<storage, read_write> visible: array<u32>;

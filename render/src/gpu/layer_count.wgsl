@@ -4,6 +4,9 @@
 // out  counts  [n]          of the samples that are taken; 0 so far
 #import triangle
 #import raster
+#import layer_ids
+#import layer_edges
+#import layer_choice
 #import sampling
 #import takes
 #import layered

@@ -5,6 +5,9 @@
 // out   layers  [n_layers]   key of the depth, and id
 #import triangle
 #import raster
+#import layer_ids
+#import layer_edges
+#import layer_choice
 #import sampling
 #import takes
 #import layered

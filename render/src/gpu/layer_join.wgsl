@@ -1,7 +1,9 @@
-// The layers of faces of meshes, of samples that stand still.
+// The layers of samples that stand still.
 #import triangle
 #import raster
-#import weights
+#import layer_ids
+#import layer_edges
+#import layer_slack
 #import join
 
 @group(0) @binding(3) var<storage, read> grids: array<vec4<u32>>;

@@ -5,6 +5,7 @@
 // in   params         [1]                count of layers
 // Twin: cpu/deferred.rs
 #import want
+#import layer_ids
 
 @group(0) @binding(0) var<storage, read> layers: array<vec2<u32>>;
 @group(0) @binding(1) var<storage, read> micropolygons: array<vec4<u32>>;
@@ -17,7 +18,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if k >= params[0] {
         return;
     }
-    let id = layers[k].y;
+    let id = layers[k].y & ID;
     let m = micropolygons[id >> 1u];
     want_corners(id, m);
 }

@@ -3,6 +3,7 @@
 // inout layers  [n_layers]  key of the depth, and id
 // in    params  [1]         count of samples
 // Twin: cpu/samples/layers.rs
+#import layer_ids
 
 @group(0) @binding(0) var<storage, read> ends: array<u32>;
 @group(0) @binding(1) var<storage, read_write> layers: array<vec2<u32>>;
@@ -13,7 +14,7 @@ const FEW: u32 = 12u;
 const RUN: u32 = 32768u;
 
 fn is_before(a: vec2<u32>, b: vec2<u32>) -> bool {
-    return a.x < b.x || (a.x == b.x && a.y < b.y);
+    return a.x < b.x || (a.x == b.x && (a.y & ID) < (b.y & ID));
 }
 
 fn insert(first: u32, end: u32) {

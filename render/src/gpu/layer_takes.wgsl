@@ -29,7 +29,7 @@ fn is_layer(sample: u32, key: u32, id: u32) -> bool {
     if sample < params[13] || sample >= params[14] || key >= depth[sample] {
         return false;
     }
-    let seen = bitcast<vec2<f32>>(grids[grid_of(micropolygons[id >> 1u]) + 1u].xy);
+    let seen = bitcast<vec2<f32>>(grids[grid_of(micropolygons[(id & ID) >> 1u]) + 1u].xy);
     if any(seen != vec2<f32>(0.0, 1.0)) {
         let part = part_of(sample);
         if part < seen.x || part >= seen.y {

@@ -33,8 +33,6 @@ pub struct Layers<'a> {
     /// Rows of the grids that wait: `layered.wgsl` has what they are.
     grids: Buffer<[u32; 4]>,
     n_rows: usize,
-    /// Whether faces of meshes are among them.
-    has_meshes: bool,
     planes: Buffer<[f32; 4]>,
     /// What kernels are told besides the range: the step of samples in their order, count of clipping planes.
     own: [u32; 2],
@@ -67,7 +65,6 @@ impl<'a> Layers<'a> {
             lists: Buffer::zeros(device, "layers", 1)?,
             grids: Buffer::zeros(device, "grids of layers", 1)?,
             n_rows: 0,
-            has_meshes: false,
             planes: Buffer::of(device, "clipping planes", &planes)?,
             own: [crate::cpu::samples::step(nx * ny) as u32, frame.planes.len() as u32],
             opacities: Buffer::zeros(device, "point opacities", 1)?,
@@ -77,7 +74,7 @@ impl<'a> Layers<'a> {
 
     /// Nothing waits any more.
     pub fn forget(&mut self) {
-        (self.n_rows, self.has_meshes) = (0, false);
+        self.n_rows = 0;
     }
 
     /// Add grids to those that wait.
@@ -90,7 +87,6 @@ impl<'a> Layers<'a> {
             firsts.push((self.n_rows + rows.len()) as u32);
             let seen = frame.scene.attributes(grid.item).seen.map(f32::to_bits);
             let whole = frame.scene.shared_whole_of(grid.item).map_or(0, |whole| whole.wrapping_add(1));
-            self.has_meshes |= whole > 0;
             let rims = (0..4).map(|k| u32::from(grid.rims[k]) << k).sum();
             rows.push([name_of(frame, grid.item), grid.points.n() as u32, grid.fades.len() as u32, whole]);
             rows.push([seen[0], seen[1], point as u32, rims]);
@@ -218,12 +214,10 @@ impl<'a> Layers<'a> {
         let Layers { device, kernels, ends, lists, grids, opacities, .. } = self;
         let n = end - first;
         let mut commands = Commands::new();
-        if self.has_meshes {
-            let kernel = if samples.is_blurred() { &kernels.blur_layer_join } else { &kernels.layer_join };
-            let (mut bound, params) = self.told(samples, [first, end]);
-            bound.extend([grids.bind(), ends.bind(), lists.bind()]);
-            commands.dispatch(device, kernel, &bound, &params, groups(n, 64));
-        }
+        let kernel = if samples.is_blurred() { &kernels.blur_layer_join } else { &kernels.layer_join };
+        let (mut bound, params) = self.told(samples, [first, end]);
+        bound.extend([grids.bind(), ends.bind(), lists.bind()]);
+        commands.dispatch(device, kernel, &bound, &params, groups(n, 64));
         let kernel = match (samples.is_blurred(), outputs.is_some()) {
             (false, false) => &kernels.layer_colors,
             (false, true) => &kernels.layer_colors_outputs,

@@ -2,7 +2,7 @@
 // Nodes are two rows, in the order of a walk: a corner and the next node that is not below; the other corner and, of a leaf, 8 times its first
 // occluder and their count, 0 of others. Occluders are four:
 // kind and primitive, and last the row of what lets a part of light through, else 0; of a sphere, its middle and radius; of an ellipsoid, the rows of the matrix that makes it the unit sphere; of a
-// triangle, a corner and two edges, and after the primitive how near the start of a ray it may be in its own way. Kinds: 0 sphere, 1 ellipsoid,
+// triangle, its corners, and after the primitive how near the start of a ray it may be in its own way. Kinds: 0 sphere, 1 ellipsoid,
 // 2 triangle of a flat patch, 3 triangle of a curved one, 4 triangle of a displaced surface, which is met as it is seen.
 // Twin: cpu/bvh.rs, cpu/mesh.rs
 
@@ -42,20 +42,30 @@ fn stops_ellipsoid(start: vec3<f32>, way: vec3<f32>, far: f32, x: vec4<f32>, y: 
     return disc > 0.0 && root - b > 0.0 && -b - root < far * a;
 }
 
-// How far beside a facet of a curved surface, in parts of it, a ray still meets it.
+// How far beside a facet of a curved surface, in parts of it, a ray still meets it; and beside one of a flat surface, as far as devices round.
 const BESIDE: f32 = 1e-5;
+const BESIDE_FLAT: f32 = 1e-6;
 
-// How far along a ray a triangle is met, given by a corner and two edges; -1 where it is not (Möller and Trumbore 1997).
-fn meet_triangle(start: vec3<f32>, way: vec3<f32>, a: vec3<f32>, ab: vec3<f32>, ac: vec3<f32>, is_flat: bool) -> f32 {
-    let beside = select(BESIDE, 0.0, is_flat);
-    let p = cross(way, ac);
-    let det = dot(ab, p);
-    let inverse = select(0.0, 1.0 / det, det != 0.0);
-    let s = start - a;
-    let u = dot(s, p) * inverse;
-    let q = cross(s, ab);
-    let v = dot(way, q) * inverse;
-    return select(-1.0, dot(ac, q) * inverse, det != 0.0 && u >= -beside && v >= -beside && u + v <= 1.0 + beside);
+// How far along a ray a triangle is met, given by its corners; -1 where it is not. Its corners are taken as they are seen along the ray, and on which
+// side of an edge that passes depends on the ends of the edge alone (Woop, Benthin and Wald 2013).
+fn meet_triangle(start: vec3<f32>, way: vec3<f32>, p: vec3<f32>, q: vec3<f32>, r: vec3<f32>, is_flat: bool) -> f32 {
+    // Two directions across the ray (Duff et al. 2017).
+    let side = select(1.0, -1.0, way.z < 0.0);
+    let s = -1.0 / (side + way.z);
+    let t = way.x * way.y * s;
+    let right = vec3<f32>(1.0 + side * way.x * way.x * s, side * t, -side * way.x);
+    let up = vec3<f32>(t, side + way.y * way.y * s, -way.y);
+    let a = vec3<f32>(dot(p - start, right), dot(p - start, up), dot(p - start, way));
+    let b = vec3<f32>(dot(q - start, right), dot(q - start, up), dot(q - start, way));
+    let c = vec3<f32>(dot(r - start, right), dot(r - start, up), dot(r - start, way));
+    let parts = vec3<f32>(b.x * c.y - b.y * c.x, c.x * a.y - c.y * a.x, a.x * b.y - a.y * b.x);
+    let area = parts.x + parts.y + parts.z;
+    let size = abs(area);
+    let turned = select(parts, -parts, area < 0.0);
+    let least = -select(BESIDE, BESIDE_FLAT, is_flat) * size;
+    let w = turned / select(1.0, size, size > 0.0);
+    let z = a.z + w.y * (b.z - a.z) + w.z * (c.z - a.z);
+    return select(-1.0, z, size > 0.0 && all(turned >= vec3<f32>(least)));
 }
 
 // A facet of a curved surface stands off it: its own neighbourhood is not in its shadow. 0 of what is flat.
@@ -97,7 +107,7 @@ fn stops(start: vec3<f32>, way: vec3<f32>, far: f32, at: u32, own: u32, near: ve
         return stops_ellipsoid(start, way, far, a, b, c);
     }
     let t = meet_triangle(start, way, a.xyz, b.xyz, c.xyz, head.x == 2u);
-    return t < far && t > near_triangle(head, is_own, b.xyz, c.xyz, start, near);
+    return t < far && t > near_triangle(head, is_own, b.xyz - a.xyz, c.xyz - a.xyz, start, near);
 }
 
 // Whether a ray meets a box within a length.
@@ -174,7 +184,7 @@ fn distance_beyond(start: vec3<f32>, way: vec3<f32>, at: u32, own: u32, near: ve
         return root(dot(d, d), dot(o, d), dot(o, o) - 1.0, max(select(0.0, near.y, is_own), least));
     }
     let t = meet_triangle(start, way, a.xyz, b.xyz, c.xyz, head.x == 2u);
-    return select(-1.0, t, t > max(near_triangle(head, is_own, b.xyz, c.xyz, start, near), least));
+    return select(-1.0, t, t > max(near_triangle(head, is_own, b.xyz - a.xyz, c.xyz - a.xyz, start, near), least));
 }
 
 // How far along a ray from the surface that is shaded anything is met; negative if nothing is.

@@ -2,6 +2,7 @@
 // out  depth   [n_samples]  the key of the depth of what is nearest
 #import triangle
 #import raster
+#import choice
 #import sampling
 #import takes
 

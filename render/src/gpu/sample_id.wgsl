@@ -4,6 +4,7 @@
 // out  visible  [n_samples]  the id of what is visible: twice the micropolygon, and 1 more for its second triangle
 #import triangle
 #import raster
+#import choice
 #import sampling
 #import takes
 

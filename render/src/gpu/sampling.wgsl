@@ -28,13 +28,16 @@ fn sample_micropolygon(index: u32) {
                 continue;
             }
             let p = meet(first, d);
-            let q = meet(second, d);
-            if !p.inside && !q.inside {
+            let r = meet(second, d);
+            if !p.inside && !r.inside {
                 continue;
             }
-            let later = q.inside && (!p.inside || q.z < p.z);
+            let choice = choose(m, q, d, p, r);
+            if !choice.is_met {
+                continue;
+            }
             let sample = (pixel.y * params[2] + pixel.x) * strata.x * strata.y + stratum.y * strata.x + stratum.x;
-            take(sample, key_of(select(p.z, q.z, later)), 2u * index + u32(later));
+            take(sample, key_of(select(p.z, r.z, choice.is_second)), (2u * index + u32(choice.is_second)) | choice.flags);
         }
     }
 }

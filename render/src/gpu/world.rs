@@ -207,7 +207,7 @@ fn push_facet(
     (item, [a, b, c], room): &(Item, [Vec3; 3], f32),
 ) {
     let [id, row] = named(*item);
-    rows.extend([[4, id, room.to_bits(), row], point(*a), point(*b - *a), point(*c - *a)]);
+    rows.extend([[4, id, room.to_bits(), row], point(*a), point(*b), point(*c)]);
 }
 
 fn push_occluder(rows: &mut Vec<[u32; 4]>, bvh: &Bvh, [id, row]: [u32; 2], occluder: &Occluder) {
@@ -218,9 +218,10 @@ fn push_occluder(rows: &mut Vec<[u32; 4]>, bvh: &Bvh, [id, row]: [u32; 2], occlu
             let m = bvh.inverse(inverse);
             [[1, id, 0, row], bits(m.row(0)), bits(m.row(1)), bits(m.row(2))]
         }
-        Occluder::Triangle { a, ab, ac, room } => {
+        Occluder::Triangle { corners, room } => {
+            let [a, b, c] = corners;
             let kind = if room.is_none() { 2 } else { 3 };
-            [[kind, id, room.unwrap_or(0.0).to_bits(), row], point(a), point(ab), point(ac)]
+            [[kind, id, room.unwrap_or(0.0).to_bits(), row], point(a), point(b), point(c)]
         }
     });
 }

@@ -1,6 +1,6 @@
 //! Layers on a device: faces that meet, and opacities that are none.
 
-use super::{CAMERA, LIT, device, render};
+use super::{CAMERA, LIT, compare, device, render};
 use render::DrawnBy;
 
 /// A mesh of five by five faces across the image and beyond it, which lean to each other as `height` says.
@@ -40,6 +40,38 @@ fn an_edge_of_two_faces_is_one_layer_on_a_device() {
             assert_eq!(drawn.drawn_by, DrawnBy::Gpu);
             let off = drawn.image.pixels.iter().filter(|p| (p[3] - expected).abs() > 1e-5).count();
             assert_eq!(off, 0, "pixels of {what}");
+        }
+    }
+}
+
+/// The same of steep surfaces, on which depths differ much within the width of an edge; and samples see the same triangles as on the processor.
+#[test]
+fn an_edge_on_a_steep_surface_is_one_layer_on_a_device() {
+    let Some(device) = device() else { return };
+    let camera =
+        "Format 64 64 1 PixelSamples 4 4 PixelFilter \"box\" 1 1 Projection \"perspective\" \"fov\" 60 WorldBegin
+        Surface \"constant\" Opacity [0.5 0.5 0.5] Translate 0 0 4\n";
+    let moves = "MotionBegin [0 1] Translate 0 0 0 Translate 0.1 0.05 0.3 MotionEnd";
+    let mesh = mesh(|_, _| 0.0);
+    for surface in ["Disk 0 2 360", &mesh] {
+        for turn in
+            ["Rotate 2.362 0.253 1.73 0.246 Scale 9.28 9.28 9.28", "Rotate 67.124 1.38 0.206 0.266 Scale 11 11 11"]
+        {
+            for (options, moves) in [("", ""), ("Shutter 0 1", moves), ("DepthOfField 4 0.2 4", "")] {
+                let rib = format!("{options} {camera} {moves} {turn} {surface} WorldEnd");
+                let drawn = render(&rib, Some(device.clone()), None);
+                assert_eq!(drawn.drawn_by, DrawnBy::Gpu);
+                let off = drawn.image.pixels.iter().filter(|p| p[3] > 0.5 + 1e-5).count();
+                // As on the processor, sides that are blurred may be cut unlike those beside them.
+                assert!(
+                    off <= if options.is_empty() { 0 } else { 2 },
+                    "{off} pixels of {options} {turn} {surface:.10}"
+                );
+                let opaque = rib.replace("[0.5 0.5 0.5]", "[1 1 1]").replace("constant", "matte");
+                // What its shader could make translucent is sampled as layers are.
+                let fog = opaque.replace("WorldBegin", "WorldBegin Atmosphere \"fog\" \"uniform float distance\" 5");
+                assert!(compare(&fog, &device).agrees(), "{options} {turn} {surface:.10}");
+            }
         }
     }
 }

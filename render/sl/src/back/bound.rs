@@ -1,8 +1,9 @@
 //! Shaders with their parameters given.
 
+use crate::ir::opacity::of_opacity;
 use crate::ir::{Kind, Program};
 use glam::{Mat3, Mat4, Vec3};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A shader bound to values of its parameters.
 #[derive(Clone, Debug)]
@@ -15,6 +16,8 @@ pub struct BoundShader {
     categories: Vec<String>,
     /// The name of the space that it was set in, if that is none of what is shaded, but its own: of a light.
     space: Option<Arc<str>>,
+    /// What of it says how opaque a surface is, once a ray has asked.
+    of_opacity: OnceLock<Arc<BoundShader>>,
 }
 
 /// The name by which the scene knows a space that a shader names, whose own space, if it has one, is "shader" to it.
@@ -31,9 +34,17 @@ impl BoundShader {
         for (slot, value) in numbers.chain(texts.into_iter().map(|(slot, t)| (slot, Answer::Text(t)))) {
             values[slot].get_or_insert(value);
         }
-        let mut bound = BoundShader { program, values, categories: vec![], space: None };
+        let mut bound = BoundShader { program, values, categories: vec![], space: None, of_opacity: OnceLock::new() };
         bound.find_categories();
         bound
+    }
+
+    /// What of a surface shader says how opaque a surface is, with the same values: what a ray runs that asks for that alone.
+    pub fn of_opacity(&self) -> &Arc<BoundShader> {
+        self.of_opacity.get_or_init(|| {
+            let program = Arc::new(of_opacity(&self.program));
+            Arc::new(BoundShader { program, of_opacity: OnceLock::new(), ..self.clone() })
+        })
     }
 
     /// The value bound to a parameter, by slot.
@@ -44,12 +55,14 @@ impl BoundShader {
     /// Bind another value to a parameter, by slot.
     pub fn set(&mut self, slot: usize, value: Answer) {
         self.values[slot] = Some(value);
+        self.of_opacity = OnceLock::new();
         self.find_categories();
     }
 
     /// Give it a space of its own, by the name that the scene knows it by.
     pub fn set_space(&mut self, name: &str) {
         self.space = Some(name.into());
+        self.of_opacity = OnceLock::new();
     }
 
     /// The name of its own space, if it has one.
@@ -65,6 +78,7 @@ impl BoundShader {
     /// Bring what is bound to parameters that are places or directions to another space.
     pub fn transform(&mut self, m: Mat4) {
         let normals = Mat3::from_mat4(m).inverse().transpose();
+        self.of_opacity = OnceLock::new();
         for (param, value) in self.program.params.iter().zip(&mut self.values) {
             let Some(Answer::Numbers(v)) = value else { continue };
             for triple in v.chunks_exact_mut(3) {

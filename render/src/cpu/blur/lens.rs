@@ -4,6 +4,7 @@
 use crate::cpu::blur::quad::{At, Quad};
 use crate::cpu::lanes::{LANES, Lanes};
 use crate::cpu::micropolygon::Micropolygon;
+use crate::cpu::samples::edges::AtEdge;
 use crate::cpu::samples::{EDGE, LensSamples, SampledGrid, Samples, Tally};
 
 impl Samples {
@@ -45,6 +46,7 @@ impl Samples {
                         continue;
                     }
                     let (times, in_first) = (at.t.to_array(), met.in_first.bits());
+                    let both = in_first & met.in_second.bits();
                     let ([p0, p1, p2], [q0, q1, q2]) = (met.first, met.second);
                     let first = [p0.to_array(), p1.to_array(), p2.to_array()];
                     let other = [q0.to_array(), q1.to_array(), q2.to_array()];
@@ -55,14 +57,21 @@ impl Samples {
                         if self.z[sample] <= quad.near {
                             continue;
                         }
-                        let second = in_first >> l & 1 == 0;
-                        let parts = if second { &other } else { &first };
-                        let (w, z) = quad.at(second, [parts[0][l], parts[1][l], parts[2][l]], times[l]);
+                        let mut second = in_first >> l & 1 == 0;
+                        let mut parts = if second { &other } else { &first }.map(|v| v[l]);
+                        let mut at_edge = AtEdge::default();
+                        if grid.as_layers && (both >> l & 1 == 1 || !quad.is_clear(parts)) {
+                            let moment = [times[l], samples.lens[0][k + l], samples.lens[1][k + l]];
+                            let place = [samples.x[k + l], samples.y[k + l]];
+                            let Some(found) = quad.at_edges(place, moment, point, grid) else { continue };
+                            (second, parts, at_edge) = found;
+                        }
+                        let (w, z) = quad.at(second, parts, times[l]);
                         if z < self.z[sample] {
                             tally.hit = true;
                             let micropolygon = Micropolygon::new(grid.index, point, second);
-                            let area = || parts[0][l] + parts[1][l] + parts[2][l];
-                            self.record(sample, z, micropolygon, [w[1], w[2]], grid, area);
+                            let area = || parts[0] + parts[1] + parts[2];
+                            self.record(sample, z, micropolygon, ([w[1], w[2]], at_edge), grid, area);
                             self.mark(px + l, px + l, py, py);
                         }
                     }

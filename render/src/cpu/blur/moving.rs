@@ -4,9 +4,68 @@
 use crate::cpu::blur::quad::{At, Quad, on_line};
 use crate::cpu::lanes::{LANES, Lanes};
 use crate::cpu::micropolygon::Micropolygon;
+use crate::cpu::samples::edges::AtEdge;
 use crate::cpu::samples::{EDGE, SampledGrid, Samples, Tally};
 
+/// Samples of a pixel that meet a micropolygon: places and times; depth and weights; parts of the triangle's area over against its corners; which
+/// are in the first triangle, and which in both.
+struct Found {
+    place: [[f32; LANES]; 3],
+    met: [[f32; LANES]; 3],
+    parts: [[f32; LANES]; 3],
+    first: u32,
+    both: u32,
+}
+
+impl Found {
+    #[inline(always)]
+    fn new<L: Lanes>(place: [L; 3], met: [L; 3], parts: [L; 3], [first, second]: [L; 2]) -> Found {
+        let [x, y, t] = place;
+        let [z, w1, w2] = met;
+        let [a, b, c] = parts;
+        Found {
+            place: [x.to_array(), y.to_array(), t.to_array()],
+            met: [z.to_array(), w1.to_array(), w2.to_array()],
+            parts: [a.to_array(), b.to_array(), c.to_array()],
+            first: first.bits(),
+            both: first.bits() & second.bits(),
+        }
+    }
+}
+
 impl Samples {
+    /// Record what is sampled as layers are, for the samples `taken` from `k` on.
+    fn moving_layers(
+        &mut self,
+        quad: &Quad,
+        found: &Found,
+        k: usize,
+        mut taken: u32,
+        point: usize,
+        grid: &SampledGrid<'_>,
+    ) {
+        while taken != 0 {
+            let l = taken.trailing_zeros() as usize;
+            taken &= taken - 1;
+            let ([x, y, t], [mut z, w1, w2], mut parts) =
+                (found.place.map(|v| v[l]), found.met.map(|v| v[l]), found.parts.map(|v| v[l]));
+            let (mut second, mut w, mut at_edge) = (found.first >> l & 1 == 0, [w1, w2], AtEdge::default());
+            if found.both >> l & 1 == 1 || !quad.is_clear(parts) {
+                let Some(exact) = quad.at_edges([x, y], [t, 0.0, 0.0], point, grid) else { continue };
+                at_edge = exact.2;
+                if exact.0 != second {
+                    (second, parts) = (exact.0, exact.1);
+                    let (weights, depth) = quad.at_pinhole(second, parts, t);
+                    (z, w) = (depth, [weights[1], weights[2]]);
+                }
+            }
+            if z < self.z[k + l] {
+                let name = Micropolygon::new(grid.index, point, second);
+                self.record(k + l, z, name, (w, at_edge), grid, || parts[0] + parts[1] + parts[2]);
+            }
+        }
+    }
+
     /// Sample a micropolygon between two times; `strata` are the bounds of time.
     ///
     /// It is long because what it would call had to be inlined for the processor at hand (see `crate::cpu::lanes`).
@@ -28,8 +87,7 @@ impl Samples {
             if times[1] < from || times[0] >= until {
                 continue;
             }
-            let none = [0.0; 2];
-            let [xs, ys] = quad.bound([times, none, none]);
+            let [xs, ys] = quad.bound([times, [0.0; 2], [0.0; 2]]);
             let (xs, ys) = ([xs[0] - EDGE, xs[1] + EDGE], [ys[0] - EDGE, ys[1] + EDGE]);
             let Some(([px0, px1], [py0, py1])) = self.pixels_within(xs, ys) else { continue };
             tally.tried += ((px1 + 1 - px0) * (py1 + 1 - py0) * strata.len()) as u64;
@@ -63,7 +121,7 @@ impl Samples {
                     let z2 = in_first.select(middle, on_line(&quad.z, 3, at.t));
                     let z = on_line(&quad.z, 0, at.t) * w0 + z1 * w1 + z2 * w2;
                     let takes = takes.and(z.lt(old));
-                    let mut taken = takes.bits();
+                    let taken = takes.bits();
                     if taken == 0 {
                         continue;
                     }
@@ -75,13 +133,9 @@ impl Samples {
                         takes.select(w1, L::load(v1, k)).store(v1, k);
                         takes.select(w2, L::load(v2, k)).store(v2, k);
                     } else {
-                        let (z, w1, w2, firsts) = (z.to_array(), w1.to_array(), w2.to_array(), in_first.bits());
-                        while taken != 0 {
-                            let l = taken.trailing_zeros() as usize;
-                            taken &= taken - 1;
-                            let name = Micropolygon::from_id(names[(firsts >> l & 1 == 0) as usize]);
-                            self.record(k + l, z[l], name, [w1[l], w2[l]], grid, || whole.to_array()[l]);
-                        }
+                        let (place, is_in) = ([at.x, at.y, at.t], [in_first, met.in_second]);
+                        let found = Found::new(place, [z, w1, w2], [a0, a1, a2], is_in);
+                        self.moving_layers(quad, &found, k, taken, point, grid);
                     }
                 }
                 if first <= last {

@@ -1,10 +1,14 @@
 //! A micropolygon over time, and which of some samples meet it.
 
 use crate::cpu::lanes::Lanes;
-use crate::cpu::samples::{EDGE, Samples, within};
+use crate::cpu::samples::edges::AtEdge;
+use crate::cpu::samples::{EDGE, SampledGrid, Samples, within};
 use crate::film::jitter::Jitter;
 use crate::scene::camera::Camera;
 use crate::scene::motion::Instant;
+
+/// Widths of an edge from which on a place inside is at no edge.
+const CLEAR: f32 = 4.0;
 
 /// The points of a grid over time.
 pub struct Track<'a> {
@@ -115,6 +119,40 @@ impl Quad {
         [dx + at.lens[0] * spread, dy + at.lens[1] * spread]
     }
 
+    /// Which triangle has a sample of layers, if one has it: the first of two. The parts of that triangle's area over against its corners,
+    /// and where the sample is.
+    #[inline(never)]
+    pub fn at_edges(
+        &self,
+        [x, y]: [f32; 2],
+        [t, lens @ ..]: [f32; 3],
+        point: usize,
+        grid: &SampledGrid<'_>,
+    ) -> Option<(bool, [f32; 3], AtEdge)> {
+        let on_line = |v: &[[f32; 4]; 2], i: usize| v[0][i] + v[1][i] * t;
+        let corners = [0, 1, 2, 3].map(|i| {
+            let at = [on_line(&self.x, i) - x, on_line(&self.y, i) - y];
+            let spread = on_line(&self.spread, i);
+            [at[0] + lens[0] * spread, at[1] + lens[1] * spread]
+        });
+        let around = grid.around(point, corners);
+        let second = match around.inside() {
+            [false, false] => return None,
+            [first, _] => !first,
+        };
+        let [p, q, r] = if second { [0, 2, 3] } else { [0, 1, 2] }.map(|i| corners[i]);
+        let part = |p: [f32; 2], q: [f32; 2]| p[0] * q[1] - p[1] * q[0];
+        let depths = [0, 1, 2, 3].map(|i| on_line(&self.z, i));
+        Some((second, [part(q, r), part(r, p), part(p, q)], around.at_edge(second, depths)))
+    }
+
+    /// Whether the parts of a triangle's area are those of a place at none of its edges.
+    #[inline(always)]
+    pub fn is_clear(&self, parts: [f32; 3]) -> bool {
+        let sign = if parts[0] + parts[1] + parts[2] < 0.0 { -1.0 } else { 1.0 };
+        parts.iter().all(|part| sign * part > -CLEAR * self.slack)
+    }
+
     /// Which of some samples meet it, and where.
     #[inline(always)]
     pub fn meet<L: Lanes, const LENS: bool>(&self, at: &At<L>) -> Met<L> {
@@ -131,7 +169,19 @@ impl Quad {
     #[inline(always)]
     pub fn at(&self, second: bool, parts: [f32; 3], t: f32) -> ([f32; 3], f32) {
         let area = parts[0] + parts[1] + parts[2];
-        let w = within([parts[0] / area, parts[1] / area, parts[2] / area]);
+        self.at_weights(second, within([parts[0] / area, parts[1] / area, parts[2] / area]), t)
+    }
+
+    /// The same without a lens.
+    pub fn at_pinhole(&self, second: bool, parts: [f32; 3], t: f32) -> ([f32; 3], f32) {
+        let area = parts[0] + parts[1] + parts[2];
+        let w = parts.map(|part| (part / area).max(0.0));
+        let sum = w[0] + w[1] + w[2];
+        self.at_weights(second, w.map(|w| w / sum), t)
+    }
+
+    #[inline(always)]
+    fn at_weights(&self, second: bool, w: [f32; 3], t: f32) -> ([f32; 3], f32) {
         let corners = if second { [0, 2, 3] } else { [0, 1, 2] };
         let z = |i: usize| self.z[0][i] + self.z[1][i] * t;
         (w, z(corners[0]) * w[0] + z(corners[1]) * w[1] + z(corners[2]) * w[2])

@@ -15,9 +15,9 @@ const CLOSED: f32 = 1.0 / (1u64 << 40) as f32;
 /// The same where a layer may still turn out to be another's repetition.
 const SURELY_CLOSED: f32 = 1.0 / (1u64 << 60) as f32;
 
-/// Two layers of a primitive that are nearer to each other than this part of their depth are one: a sample on an edge that two
-/// micropolygons share meets both. So are layers of two faces of a mesh, where the sample lies on an edge of one of them: elsewhere
-/// they are sheets of it that coincide.
+/// Two layers of a primitive that are nearer to each other than this part of their depth are one: a sample on a side that two
+/// grids share meets both. On steep surfaces they may be as far from each other as the surface is across the widened edges. So are layers of
+/// two faces of a mesh, where the sample lies on an edge of one of them: elsewhere they are sheets of it that coincide.
 const SAME: f32 = 1e-4;
 
 /// The same of what is met at one depth, but for rounding.
@@ -108,29 +108,41 @@ impl Line {
         let n = layers.len();
         repeats.clear();
         repeats.resize(n, false);
-        let is_same = |before: &Layer, v: &Layer| v.z - before.z <= SAME * v.z;
         if n <= FEW {
             for k in 1..n {
                 let v = of(k);
-                let near = (0..k).rev().take_while(|before| is_same(of(*before), v));
                 let counts = |before: &usize| of(*before).primitive == v.primitive && !repeats[*before];
-                let repeated = v.primitive != NO_PRIMITIVE && near.into_iter().any(|before| counts(&before));
-                repeats[k] = repeated;
+                let is_one = v.primitive != NO_PRIMITIVE && {
+                    let mut near = (0..k).rev().take_while(|before| is_near(of(*before), v, SAME));
+                    near.any(|before| counts(&before))
+                        || v.at_edge.grid && {
+                            let mut at_edges = (0..k).rev().filter(|before| of(*before).at_edge.grid);
+                            at_edges.find(counts).is_some_and(|before| is_within_slack(of(before), v, SAME))
+                        }
+                };
+                repeats[k] = is_one;
             }
         } else {
             by_name.clear();
             by_name.extend((0..n as u32).filter(|k| of(*k as usize).primitive != NO_PRIMITIVE));
             by_name.sort_unstable_by_key(|k| (of(*k as usize).primitive, *k));
-            let mut before: Option<&Layer> = None;
+            let (mut before, mut at_edge): (Option<&Layer>, Option<&Layer>) = (None, None);
             for k in by_name.iter() {
                 let v = of(*k as usize);
-                match before.filter(|before| before.primitive == v.primitive && is_same(before, v)) {
-                    Some(_) => repeats[*k as usize] = true,
-                    None => before = Some(v),
+                let is_of = |before: &&Layer| before.primitive == v.primitive;
+                let is_one = before.filter(is_of).is_some_and(|before| is_near(before, v, SAME))
+                    || at_edge.filter(is_of).is_some_and(|before| is_within_slack(before, v, SAME));
+                if is_one {
+                    repeats[*k as usize] = true;
+                    continue;
+                }
+                before = Some(v);
+                if v.at_edge.grid {
+                    at_edge = before;
                 }
             }
         }
-        if n > 1 && (0..n).any(|k| of(k).at_rim) {
+        if n > 1 && (0..n).any(|k| of(k).whole.is_some() && of(k).at_edge.primitive) {
             self.join_faces(all);
         }
     }
@@ -152,9 +164,9 @@ impl Line {
                     continue;
                 }
                 let v = of(k);
-                let waits = |k: u32, joined: &[bool]| of(k).at_rim && (again || !joined[k as usize]);
+                let waits = |k: u32, joined: &[bool]| of(k).at_edge.primitive && (again || !joined[k as usize]);
                 let goes_on = |before: &u32| {
-                    let near = v.z - of(*before).z <= tolerance * v.z;
+                    let near = is_near(of(*before), v, tolerance) || is_within_slack(of(*before), v, tolerance);
                     of(*before).whole == v.whole && near && (waits(*before, joined) || waits(k, joined))
                 };
                 match last.filter(goes_on) {
@@ -164,6 +176,19 @@ impl Line {
             }
         }
     }
+}
+
+/// Whether the depths of two layers, the first the nearer one, differ by no more than a part of it.
+#[inline]
+fn is_near(before: &Layer, v: &Layer, part: f32) -> bool {
+    v.z - before.z <= part * v.z
+}
+
+/// The same where both are met at sides of grids: their depths may differ as they do across these.
+#[inline]
+fn is_within_slack(before: &Layer, v: &Layer, part: f32) -> bool {
+    let (a, b) = (before.at_edge, v.at_edge);
+    a.grid && b.grid && v.z - before.z <= part * v.z + (a.slack + b.slack)
 }
 
 /// What is still to come, as layers are packed.
@@ -345,12 +370,18 @@ impl Packed {
         let of = |at: &u32| &samples.layers[*at as usize];
         let mut left = Left::ALL;
         let (mut front, mut first): (Option<usize>, usize) = (None, 0);
+        let mut all_past = true;
         for group in line.layers.chunk_by(|a, b| of(a).z == of(b).z) {
             let repeats = &line.repeats[first..first + group.len()];
             first += group.len();
             let (z, start) = (of(&group[0]).z, self.layers.len());
-            // A layer that repeats one before it is that near to it.
-            let (is_known, is_past) = (z < to_come.z, z < to_come.z * (1.0 - 2.0 * SAME));
+            // A layer that repeats one before it is that near to it, but at sides of grids.
+            let may_repeat = |at: &u32| {
+                let v = of(at);
+                v.at_edge.slack > 0.0 && v.primitive != NO_PRIMITIVE && (to_come.has)(v.primitive, v.whole)
+            };
+            all_past &= z < to_come.z * (1.0 - 2.0 * SAME) && !group.iter().any(may_repeat);
+            let (is_known, is_past) = (z < to_come.z, all_past);
             let (mut is_one, mut is_closed) = (true, false);
             for (at, repeats) in group.iter().zip(repeats) {
                 let v = of(at);

@@ -11,6 +11,9 @@ use crate::shadeop::runs::{at, dot, put, triple};
 /// Rays that are asked about at once, but for those of one point.
 const MAX_RAYS: usize = 1 << 14;
 
+/// The most rays of a `gather`.
+const MAX_GATHERED: f32 = 65_535.0;
+
 /// Rays over a hemisphere if a shader asks for none.
 const SAMPLES: usize = 64;
 
@@ -136,7 +139,7 @@ impl Machine {
         let n = self.n;
         let [p, axis] = [position, axis].map(|r| self.regs[r.index()].clone());
         let [angle, samples] = [angle, samples].map(|r| self.regs[r.index()].clone());
-        let samples = at(&samples, 0).clamp(1.0, 1024.0) as usize;
+        let samples = at(&samples, 0).clamp(1.0, MAX_GATHERED) as usize;
         let outer_turn = self.loop_turn;
         for i in 0..samples {
             self.loop_turn = turn_of(outer_turn, i as u32 + 1);
