@@ -158,3 +158,29 @@ fn textures_in_files_look_as_those_in_memory() {
     let (much, little) = (draw("1000000"), draw("1"));
     assert!(much.pixels == little.pixels && much.pixels.iter().any(|p| p[0] > 0.2));
 }
+
+/// What lies close behind another primitive is met by a ray that passes this, however small it is in pixels.
+#[test]
+fn a_ray_meets_what_is_close_behind_another_primitive() {
+    let shader = b"surface through() { Oi = 1; Ci = trace(P, normalize(I)); }";
+    let square = |z: f32| format!("Polygon \"P\" [-2 -2 {z} 2 -2 {z} 2 2 {z} -2 2 {z}]\n");
+    let world = format!(
+        "Surface \"through\" {} Surface \"constant\" AttributeBegin Opacity 0.5 0.5 0.5 Color 1 0 0 {} AttributeEnd Color 0 1 0 {}",
+        square(1.0),
+        square(2.0),
+        square(2.05)
+    );
+    let options = "Format 24 24 1 PixelSamples 2 2 PixelFilter \"box\" 1 1";
+    let p = render_with(&[("through.sl", shader.as_slice())], options, &world);
+    all_are(&p, [0.5, 0.5, 0.0], 1e-5);
+}
+
+/// A `gather` sends as many rays as it is asked for.
+#[test]
+fn many_rays_are_gathered() {
+    let shader = b"surface many() { float n = 0; gather(\"\", P, normalize(I), 0.1, 5000) { n += 1; } else { n += 1; } Oi = 1; Ci = n / 5000; }";
+    let world = "Surface \"many\" Polygon \"P\" [-2 -2 1 2 -2 1 2 2 1 -2 2 1]";
+    let options = "Format 4 4 1 PixelSamples 1 1 PixelFilter \"box\" 1 1";
+    let p = render_with(&[("many.sl", shader.as_slice())], options, world);
+    assert!(p.pixels.iter().all(|pixel| (pixel[0] - 1.0).abs() < 1e-5), "{:?}", p.pixels[0]);
+}

@@ -158,7 +158,7 @@ impl Bvh {
         if self.tree.is_empty() || !from.is_finite() || !dir.is_finite() {
             return;
         }
-        let sight = Sight::new(from, dir);
+        let way = [from, dir];
         self.tree.leaves(from, dir, f32::INFINITY, |leaf, length| {
             for (item, occluder) in &self.occluders[leaf] {
                 let is_own = own == Some(*item);
@@ -172,12 +172,13 @@ impl Bvh {
                         Some(room) => bias[is_own as usize].max(facet_room(room, is_own)),
                     };
                     // A ray through a corner meets a triangle there, at least: of two that share an edge, one counts.
-                    let t = meet_triangle(&sight, corners, BESIDE).map(|(t, _)| t).filter(|t| *t > near);
+                    let t =
+                        meet_triangle(&Sight::new(from, dir), corners, BESIDE).map(|(t, _)| t).filter(|t| *t > near);
                     push(t, None, dir.dot(ab.cross(ac)));
                     continue;
                 }
-                let first = self.distance(is_own, occluder, &sight, 0.0, bias);
-                let other = first.and_then(|t| self.distance(is_own, occluder, &sight, t * (1.0 + 1e-6), bias));
+                let first = self.distance(is_own, occluder, way, 0.0, bias);
+                let other = first.and_then(|t| self.distance(is_own, occluder, way, t * (1.0 + 1e-6), bias));
                 // Of two crossings of a sphere the first enters; a lone one leaves it.
                 push(first, Some(other.is_some()), 0.0);
                 push(other, Some(false), 0.0);
@@ -198,10 +199,10 @@ impl Bvh {
             return false;
         }
         let dir = way / length;
-        let (mut blocked, sight) = (false, Sight::new(from, dir));
+        let (mut blocked, way) = (false, [from, dir]);
         self.tree.leaves(from, dir, length, |leaf, length| {
             blocked = self.occluders[leaf].iter().any(|(item, o)| {
-                !self.translucent[item.source as usize] && self.stops(*item == own, o, &sight, length, bias)
+                !self.translucent[item.source as usize] && self.stops(*item == own, o, way, length, bias)
             });
             (!blocked).then_some(length)
         });
@@ -213,10 +214,10 @@ impl Bvh {
         if self.tree.is_empty() || !from.is_finite() || !dir.is_finite() {
             return None;
         }
-        let (mut best, sight): (Option<(f32, Item)>, _) = (None, Sight::new(from, dir));
+        let (mut best, way): (Option<(f32, Item)>, _) = (None, [from, dir]);
         self.tree.leaves(from, dir, f32::INFINITY, |leaf, mut length| {
             for (item, occluder) in &self.occluders[leaf] {
-                if let Some(t) = self.distance(*item == own, occluder, &sight, least, bias).filter(|t| *t < length) {
+                if let Some(t) = self.distance(*item == own, occluder, way, least, bias).filter(|t| *t < length) {
                     length = t;
                     best = Some((t, *item));
                 }
@@ -242,11 +243,11 @@ impl Bvh {
         if self.tree.is_empty() || !from.is_finite() || !dir.is_finite() {
             return;
         }
-        let sight = Sight::new(from, dir);
+        let way = [from, dir];
         self.tree.leaves(from, dir, length, |leaf, length| {
             for (item, occluder) in &self.occluders[leaf] {
                 let mut least = 0.0;
-                while let Some(t) = self.distance(*item == own, occluder, &sight, least, bias).filter(|t| *t < length) {
+                while let Some(t) = self.distance(*item == own, occluder, way, least, bias).filter(|t| *t < length) {
                     out.push((t, *item));
                     if matches!(occluder, Occluder::Triangle { .. }) {
                         break;
@@ -263,10 +264,10 @@ impl Bvh {
         if self.tree.is_empty() || !from.is_finite() || !dir.is_finite() {
             return false;
         }
-        let (mut meets, sight) = (false, Sight::new(from, dir));
+        let (mut meets, way) = (false, [from, dir]);
         self.tree.leaves(from, dir, f32::INFINITY, |leaf, length| {
             meets = self.occluders[leaf].iter().any(|(item, occluder)| {
-                self.distance(*item == own, occluder, &sight, 0.0, bias).is_some_and(|t| t < length)
+                self.distance(*item == own, occluder, way, 0.0, bias).is_some_and(|t| t < length)
             });
             (!meets).then_some(length)
         });
@@ -275,8 +276,14 @@ impl Bvh {
 
     /// How far along a ray an occluder is met, from `least` on, and beyond what it cannot mean: the surface that the ray starts
     /// from, where it stands off what was shaded. `bias` as for [`Bvh::blocked`].
-    fn distance(&self, own: bool, occluder: &Occluder, sight: &Sight, least: f32, bias: [f32; 2]) -> Option<f32> {
-        let Sight { from, dir, .. } = *sight;
+    fn distance(
+        &self,
+        own: bool,
+        occluder: &Occluder,
+        [from, dir]: [Vec3; 2],
+        least: f32,
+        bias: [f32; 2],
+    ) -> Option<f32> {
         // The nearer crossing that is far enough.
         let root = |a: f32, b: f32, c: f32, near: f32| {
             let disc = b * b - a * c;
@@ -301,14 +308,13 @@ impl Bvh {
             Occluder::Triangle { corners, room } => {
                 let near = near_start(own, room, edges_of(corners), from, bias);
                 let beside = if room.is_some() { BESIDE } else { 0.0 };
-                meet_triangle(sight, corners, beside).map(|(t, _)| t).filter(|t| *t > near.max(least))
+                meet_triangle(&Sight::new(from, dir), corners, beside).map(|(t, _)| t).filter(|t| *t > near.max(least))
             }
         }
     }
 
     #[inline]
-    fn stops(&self, own: bool, occluder: &Occluder, sight: &Sight, length: f32, bias: [f32; 2]) -> bool {
-        let Sight { from, dir, .. } = *sight;
+    fn stops(&self, own: bool, occluder: &Occluder, [from, dir]: [Vec3; 2], length: f32, bias: [f32; 2]) -> bool {
         match *occluder {
             Occluder::Sphere { center, radius } => {
                 !own && {
@@ -337,7 +343,7 @@ impl Bvh {
             Occluder::Triangle { corners, room } => {
                 let beside = if room.is_some() { BESIDE } else { 0.0 };
                 !(own && room.is_none())
-                    && meet_triangle(sight, corners, beside)
+                    && meet_triangle(&Sight::new(from, dir), corners, beside)
                         .is_some_and(|(t, _)| t < length && t > near_start(own, room, edges_of(corners), from, bias))
             }
         }
