@@ -1,6 +1,7 @@
 //! The collision of spheres on a device against the CPU back end's, on random and on adverse beds.
 
 mod joints;
+mod long;
 mod solids;
 mod surfaces;
 mod whole;
