@@ -25,8 +25,12 @@ pub struct Hull {
 }
 
 impl Hull {
+    /// The most corners of a face that contacts are made of.
+    pub const MOST_CORNERS: usize = 16;
+
     /// The convex hull of points, m, relative to its centroid, and the centroid. `None` if the points lie in a plane.
     pub fn of_points(points: &[DVec3]) -> Option<(Hull, DVec3)> {
+        let points = &distinct(points);
         let triangles = hull_triangles(points)?;
         let mut hull = merge_coplanar(points, &triangles);
         let centre = solid(&hull.triangles().map(|t| t.map(|v| hull.vertices[v as usize])).collect::<Vec<_>>()).centre;
@@ -51,10 +55,36 @@ impl Hull {
         &self.faces[self.columns[1].farthest(direction)]
     }
 
+    /// The corners of a face that contacts are made of: all, or of more than [`Hull::MOST_CORNERS`] some all around it.
+    pub fn corners_of(face: &[u32]) -> impl Iterator<Item = u32> {
+        let n = face.len().min(Self::MOST_CORNERS);
+        (0..n).map(move |k| face[k * face.len() / n])
+    }
+
     /// Half lengths of the box about the centroid that contains all vertices, m.
     pub fn half_extent(&self) -> DVec3 {
         self.vertices.iter().fold(DVec3::ZERO, |h, v| h.max(v.abs()))
     }
+}
+
+/// The points without those that nearly coincide with one before them, which faces between would tear the hull.
+fn distinct(points: &[DVec3]) -> Vec<DVec3> {
+    /// What points are apart, over the extent of all.
+    const APART: f64 = 1e-7;
+    let Some(first) = points.first() else { return vec![] };
+    let apart = APART * points.iter().fold(DVec3::ZERO, |h, p| h.max((*p - *first).abs())).length();
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_by(|i, j| points[*i].x.total_cmp(&points[*j].x));
+    let mut is_kept = vec![true; points.len()];
+    for (place, &i) in order.iter().enumerate() {
+        let near = order[place + 1..].iter().take_while(|j| points[**j].x - points[i].x <= apart);
+        for &j in near.filter(|j| points[**j].distance(points[i]) <= apart) {
+            if is_kept[i.min(j)] {
+                is_kept[i.max(j)] = false;
+            }
+        }
+    }
+    points.iter().zip(is_kept).filter(|(_, is_kept)| *is_kept).map(|(p, _)| *p).collect()
 }
 
 /// The triangles of the convex hull of points, facing outwards, by an incremental construction from a tetrahedron.
@@ -276,6 +306,23 @@ mod tests {
         assert!((s.volume - 1.0).abs() < 1e-12 && (s.inertia.x_axis.x - 1.0 / 6.0).abs() < 1e-12);
         assert!(Hull::of_points(&points[..2]).is_none());
         assert!(Hull::of_points(&[DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::X + DVec3::Y]).is_none());
+    }
+
+    #[test]
+    fn points_that_nearly_coincide_are_one_corner() {
+        let mut random = crate::fill::SplitMix64(7);
+        for k in 0..300 {
+            let off = 10f64.powf(-13.0 + 0.02 * k as f64);
+            let mut points = cube_corners(0.06, DVec3::ZERO);
+            for _ in 0..3 {
+                let near =
+                    points[..8].iter().map(|p| *p + off * DVec3::from([0; 3].map(|_| random.between(-1.0, 1.0))));
+                points.extend(near.collect::<Vec<_>>());
+            }
+            let (hull, _) = Hull::of_points(&points).unwrap();
+            let volume = solid_of(ShapeKind::Hull, DVec3::ZERO, Some(&hull)).volume;
+            assert!((volume / 0.12f64.powi(3) - 1.0).abs() < 60.0 * off + 1e-12, "{off:.1e}: {volume}");
+        }
     }
 
     /// A solid of revolution about z as many thin triangles.

@@ -6,9 +6,6 @@ use crate::shape::ShapeKind;
 use glam::DVec3;
 use gpu::{Buffer, Device, GpuError};
 
-/// The most corners of a face that count, as in `clip.wgsl`.
-const MAX_CORNERS: usize = 16;
-
 /// Bits of the number of corners in the word of a face.
 const BITS: u32 = 5;
 
@@ -55,9 +52,10 @@ fn rows(hull: &Hull) -> Vec<[u32; 4]> {
     let mut corners: Vec<u32> = vec![];
     let first = 4 * (1 + n_vertices + n_faces) as u32;
     for (face, normal) in hull.faces.iter().zip(&hull.normals) {
-        let n = face.len().min(MAX_CORNERS);
-        rows.push(point(normal, n as u32 | (first + corners.len() as u32) << BITS));
-        corners.extend(&face[..n]);
+        let of_face = first + corners.len() as u32;
+        corners.extend(Hull::corners_of(face));
+        let n = first + corners.len() as u32 - of_face;
+        rows.push(point(normal, n | of_face << BITS));
     }
     corners.resize(corners.len().next_multiple_of(4), 0);
     rows.extend(corners.as_chunks::<4>().0);

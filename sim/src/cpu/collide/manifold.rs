@@ -3,10 +3,11 @@
 use super::convex::{self, Axis, Nearest, support_local};
 use super::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
 use crate::ShapeKind;
+use crate::geometry::Hull;
 use glam::DVec3;
 
-/// Maximum number of corners of a feature.
-pub const MAX_CORNERS: usize = 16;
+/// Maximum number of corners of a feature: of two that are clipped.
+const MAX_CORNERS: usize = 2 * Hull::MOST_CORNERS;
 
 /// Number of corners of the polygon in place of the flat end of a cylinder or a cone.
 const RIM: usize = 8;
@@ -83,7 +84,7 @@ pub fn feature(shape: &Placed, direction: DVec3) -> Feature {
         }
         ShapeKind::Hull => {
             if let Some(hull) = shape.hull {
-                hull.facing(d).iter().for_each(|v| local(hull.vertices[*v as usize], *v + 1));
+                Hull::corners_of(hull.facing(d)).for_each(|v| local(hull.vertices[v as usize], v + 1));
             }
         }
         ShapeKind::Cylinder if d.z.abs() > 0.7 * d.length() => {

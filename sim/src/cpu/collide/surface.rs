@@ -10,6 +10,8 @@ use glam::DVec3;
 
 /// The contact points of a convex shape with a plane: its corners, or the deepest points of its round parts. Returns their count.
 pub fn convex_plane(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
+    /// Sine of the tilt up to which an end stands on its corners alone: which point of its rim is the deepest is then round-off.
+    const FLAT: f64 = 1e-4;
     let up = b.rotation.z_axis;
     let mut found: [(f64, DVec3, u32); 3 * MAX_POINTS] = [(0.0, DVec3::ZERO, 0); 3 * MAX_POINTS];
     let mut n = 0;
@@ -31,12 +33,19 @@ pub fn convex_plane(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usi
         }
         ShapeKind::Hull => {
             let vertices = a.hull.map_or(&[][..], |h| &h.vertices);
-            vertices.iter().enumerate().for_each(|(k, v)| take(world(*v), k as u32));
+            let gap = |k: usize| (world(vertices[k]) - b.position).dot(up);
+            let near = || (0..vertices.len()).filter(|k| gap(*k) <= reach);
+            if near().count() > MAX_POINTS {
+                spread(vertices, near, gap).into_iter().for_each(|k| take(world(vertices[k]), k as u32));
+            } else {
+                near().for_each(|k| take(world(vertices[k]), k as u32));
+            }
         }
         ShapeKind::Cylinder | ShapeKind::Cone => {
             // The deepest point of each rim, and the corners of the end on which the shape may stand.
             let ends: &[f64] = if a.kind == ShapeKind::Cone { &[-a.size.z] } else { &[a.size.z, -a.size.z] };
-            let lowest = down.truncate().try_normalize().map(|d| d * a.size.x);
+            let across = down.truncate();
+            let lowest = (across.length() > FLAT).then(|| across.normalize() * a.size.x);
             for (k, z) in ends.iter().enumerate() {
                 lowest.iter().for_each(|p| take(world(p.extend(*z)), 60 + k as u32));
             }
@@ -69,6 +78,30 @@ pub fn convex_plane(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usi
         *slot = Point { normal: -up, on_first: *p, on_second: *p - up * *gap, gap: *gap, feature: *feature };
     }
     kept
+}
+
+/// As many of the vertices that are `near` as a manifold has points, all around: the first, and then always the one that is farthest from those
+/// before it; instead of the last the deepest, where that is deeper than all of them. Which ones does not depend on round-off of the pose.
+fn spread<I: Iterator<Item = usize>>(
+    vertices: &[DVec3],
+    near: impl Fn() -> I,
+    gap: impl Fn(usize) -> f64,
+) -> [usize; MAX_POINTS] {
+    /// What the deepest vertex is deeper by, over the distance of the first two.
+    const DEEPER: f64 = 1e-5;
+    let mut chosen = [near().next().unwrap_or(0); MAX_POINTS];
+    for n in 1..MAX_POINTS {
+        let away =
+            |k: usize| chosen[..n].iter().map(|c| vertices[*c].distance_squared(vertices[k])).fold(f64::MAX, f64::min);
+        let farther = |best: (f64, usize), k: usize| if away(k) > best.0 { (away(k), k) } else { best };
+        chosen[n] = near().fold((0.0, chosen[0]), farther).1;
+    }
+    let deepest = near().fold(chosen[0], |best, k| if gap(k) < gap(best) { k } else { best });
+    let least = chosen.iter().map(|k| gap(*k)).fold(f64::INFINITY, f64::min);
+    if gap(deepest) < least - DEEPER * vertices[chosen[0]].distance(vertices[chosen[1]]) {
+        chosen[MAX_POINTS - 1] = deepest;
+    }
+    chosen
 }
 
 /// A triangle of a surface.

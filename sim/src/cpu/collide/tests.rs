@@ -6,7 +6,8 @@ use crate::fill::SplitMix64;
 use crate::geometry::{Hull, Surface};
 use crate::manifolds::Corners;
 use crate::pose::Pose;
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec2, DVec3};
+use std::f64::consts::TAU;
 
 fn cube(position: DVec3, orientation: DQuat) -> Placed<'static> {
     placed(ShapeKind::Box, [0.5; 3], position, orientation)
@@ -420,4 +421,56 @@ fn boxes_that_are_apart_have_the_gap_of_their_nearest_points() {
         apart += 1;
     }
     assert!(apart > 1000, "{apart}");
+}
+
+/// A prism of many sides that lies on its end has points all around, on a plane, on a box and on another prism, which lies turned by a little.
+#[test]
+fn faces_of_many_corners_have_points_all_around() {
+    for n in [9, 13, 16, 24, 31, 48, 96, 200] {
+        let rim = (0..n).map(|k| DVec2::from_angle(TAU * k as f64 / n as f64) * 0.1);
+        let corners: Vec<DVec3> = rim.flat_map(|p| [p.extend(-0.05), p.extend(0.05)]).collect();
+        let (hull, _) = Hull::of_points(&corners).unwrap();
+        let prism = |z: f64, turn: f64| Placed {
+            hull: Some(&hull),
+            ..placed(ShapeKind::Hull, [0.1, 0.1, 0.05], DVec3::Z * z, DQuat::from_rotation_z(turn))
+        };
+        let below = [
+            placed(ShapeKind::Plane, [0.0; 3], DVec3::ZERO, DQuat::IDENTITY),
+            placed(ShapeKind::Box, [0.5, 0.5, 0.1], DVec3::Z * -0.1, DQuat::from_rotation_z(0.3)),
+            prism(-0.05, 0.1),
+        ];
+        for below in below {
+            for tilt in [0.0, 1e-7, -1e-7] {
+                let above = prism(0.0501, 0.7);
+                let orientation = DQuat::from_rotation_x(tilt) * above.orientation;
+                let above =
+                    Placed::new(above.kind, above.size, Pose { position: above.position, orientation }, above.hull);
+                let found = points(&above, &below, 0.01);
+                let middle = found.iter().map(|p| p.on_first).sum::<DVec3>() / found.len() as f64;
+                let around = found.iter().map(|p| p.on_first.truncate().length()).fold(f64::INFINITY, f64::min);
+                assert!(
+                    found.len() == MAX_POINTS && middle.truncate().length() < 0.03,
+                    "{n} {:?}: {middle}",
+                    below.kind
+                );
+                assert!(around > 0.09, "{n} {:?}: {around}", below.kind);
+            }
+        }
+    }
+}
+
+/// A cylinder that stands on its end, tilted by round-off whichever way, has the same points of its rim.
+#[test]
+fn what_stands_on_an_end_keeps_its_points() {
+    let plane = placed(ShapeKind::Plane, [0.0; 3], DVec3::ZERO, DQuat::IDENTITY);
+    for kind in [ShapeKind::Cylinder, ShapeKind::Cone] {
+        let features = |turn: f64| {
+            let tilt = DQuat::from_axis_angle(DVec3::from_array([turn.cos(), turn.sin(), 0.0]), 1e-9);
+            let own = placed(kind, [0.1, 0.1, 0.1], DVec3::Z * 0.1, tilt);
+            points(&own, &plane, 1e-3).iter().map(|p| p.feature).collect::<Vec<u32>>()
+        };
+        let first = features(0.0);
+        assert_eq!(first.len(), MAX_POINTS);
+        (1..50).for_each(|k| assert_eq!(features(0.13 * k as f64), first, "{kind:?} {k}"));
+    }
 }
