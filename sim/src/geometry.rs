@@ -25,7 +25,7 @@ pub struct Hull {
 }
 
 impl Hull {
-    /// The most corners of a face that contacts are made of.
+    /// The most corners of a face that contacts are made of, as in `gpu/clip.wgsl`.
     pub const MOST_CORNERS: usize = 16;
 
     /// The convex hull of points, m, relative to its centroid, and the centroid. `None` if the points lie in a plane.

@@ -152,10 +152,19 @@ impl Default for SolverSettings {
 }
 
 impl SolverSettings {
+    /// The most sweeps over all contacts, over the maximum number of iterations, where gaps are not to close too fast.
+    pub const BEYOND: u32 = 4;
+
     /// The residual above which a step counts as not converged, m/s: 100 tolerances, and at least gravity times step size, `fall`.
     pub fn residual_bound(&self, fall: f64) -> f64 {
         let tolerance = if self.tolerance > 0.0 { self.tolerance } else { 1e-7 };
         (100.0 * tolerance).max(fall)
+    }
+
+    /// The settings of sweeps that take a step over: they go on where they leave more than half an `envelope`, m, of overlap.
+    pub fn of_takeover(&self, envelope: f64) -> SolverSettings {
+        let overlap = self.overlap_tolerance.or(Some(0.5 * envelope));
+        SolverSettings { omega: None, overlap_tolerance: overlap, ..self.clone() }
     }
 
     /// Maximum number of iterations of a problem with `n_blocks` blocks of three multipliers: `iterations`, or its default.

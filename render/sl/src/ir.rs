@@ -32,3 +32,6 @@ pub use register::{FloatReg, MatrixReg, Operand, Reg, TextReg, TripleReg};
 pub use types::{Kind, ShaderKind};
 pub use validate::validate;
 pub use walk::visit;
+
+/// The most rays of a `gather`.
+pub const MAX_GATHERED: f32 = 65_535.0;

@@ -171,7 +171,7 @@ fn solve_by(
         return sweeps::run(op, settings, gamma, response, sweeps);
     }
     if is_taken_over(op, settings, gamma, response) {
-        return sweeps::run(op, &takeover_settings(model, settings), gamma, response, sweeps);
+        return sweeps::run(op, &settings.of_takeover(model.envelope), gamma, response, sweeps);
     }
     let found = solve::solve(op, settings, gamma, response, iterates);
     let is_lost = found.residual > residual_bound(model);
@@ -197,12 +197,6 @@ fn is_taken_over(op: &mut BodyOperator, settings: &SolverSettings, gamma: &[DVec
     }
     op.response(gamma, response);
     residual(op, gamma, response) * (n as f64).sqrt() > bound
-}
-
-/// The settings of sweeps that take a step over: they go on where they leave more than half an envelope of overlap.
-fn takeover_settings(model: &Model, settings: &SolverSettings) -> SolverSettings {
-    let overlap = settings.overlap_tolerance.or(Some(0.5 * model.envelope));
-    SolverSettings { omega: None, overlap_tolerance: overlap, ..settings.clone() }
 }
 
 /// Where the slip that is fed back does not come to a fixed point, as where friction jams: sweeps, which know the law contact by contact. γ

@@ -149,8 +149,7 @@ impl ContactSolve {
         let exact = if by_rounds { Some(Exact::new(device, kernels, &problem)?) } else { None };
         let landing = if let Some(bound) = takeover.filter(|_| method != Method::GaussSeidel) {
             let landing = Landing::new(device, kernels, (&problem, collision.room()), (settings, bound))?;
-            let overlap = settings.overlap_tolerance.or(Some(0.5 * model.envelope));
-            let settings = SolverSettings { omega: None, overlap_tolerance: overlap, ..settings.clone() };
+            let settings = settings.of_takeover(model.envelope);
             let by = (&settings, closing_of(model, &settings));
             let sweeps = GaussSeidel::new(device, kernels, by, (&problem, collision))?;
             Some((landing, Columns::GaussSeidel(Box::new(sweeps))))
@@ -249,7 +248,7 @@ impl ContactSolve {
             if let Columns::GaussSeidel(sweeps) = self.columns(is_landing)
                 && sweeps.may_go_on()
             {
-                for _ in 1..gauss_seidel::BEYOND {
+                for _ in 1..SolverSettings::BEYOND {
                     if !self.goes_on(device)? {
                         break;
                     }

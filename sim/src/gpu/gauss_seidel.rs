@@ -29,9 +29,6 @@ pub const BYTES: [f64; 2] = [92.0, 115.0];
 /// Sweeps of a tile for one pass over its contacts in memory.
 pub const SWEEPS: u32 = 2;
 
-/// The most iterations, over those of the settings, where gaps are not to close too fast.
-pub const BEYOND: u32 = 4;
-
 /// Number of rounds of tiles.
 const ROUNDS: usize = 8;
 
@@ -215,7 +212,7 @@ impl GaussSeidel {
             let fastest = closing.fastest.bind();
             let bound = [problem.row(), problem.motion.bind(), fastest, problem.n_contacts.n.bind()];
             commands.dispatch(device, &closing.measure, &bound, &[], Work::Indirect(&self.work, ROUNDS + 2));
-            let params = [bits(closing.most[0]), bits(closing.most[1]), BEYOND];
+            let params = [bits(closing.most[0]), bits(closing.most[1]), SolverSettings::BEYOND];
             let bound = [fastest, scalars, self.work.bind()];
             commands.dispatch(device, &closing.decide, &bound, &params, Work::Groups(1));
         }

@@ -16,7 +16,7 @@
 // out  tile_body   [2 n_pairs]  bodies of each tile, from twice its first pair on
 // out  tile_size   [n_tiles]    number of bodies, and of colours
 // out  is_big      [n_tiles]
-// in   params      [3]          the most bodies of a tile that is not big; of so many dispatches, the index of this one, and their number
+// in   params      [3]          the most bodies of a tile that is not big, the index of this dispatch, and the number of dispatches
 // Twin: cpu/solve/schedule.rs
 #import sphere
 #import fixture

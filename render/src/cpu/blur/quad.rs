@@ -1,7 +1,7 @@
 //! A micropolygon over time, and which of some samples meet it.
 
 use crate::cpu::lanes::Lanes;
-use crate::cpu::samples::edges::AtEdge;
+use crate::cpu::samples::edges::{AtEdge, area_of};
 use crate::cpu::samples::{EDGE, SampledGrid, Samples, within};
 use crate::film::jitter::Jitter;
 use crate::scene::camera::Camera;
@@ -141,9 +141,8 @@ impl Quad {
             [first, _] => !first,
         };
         let [p, q, r] = if second { [0, 2, 3] } else { [0, 1, 2] }.map(|i| corners[i]);
-        let part = |p: [f32; 2], q: [f32; 2]| p[0] * q[1] - p[1] * q[0];
         let depths = [0, 1, 2, 3].map(|i| on_line(&self.z, i));
-        Some((second, [part(q, r), part(r, p), part(p, q)], around.at_edge(second, depths)))
+        Some((second, [area_of(q, r), area_of(r, p), area_of(p, q)], around.at_edge(second, depths)))
     }
 
     /// Whether the parts of a triangle's area are those of a place at none of its edges.

@@ -51,7 +51,7 @@ struct Side {
 
 impl Side {
     fn new(p: [f32; 2], q: [f32; 2], is_outer: bool) -> Side {
-        let area = p[0] * q[1] - p[1] * q[0];
+        let area = area_of(p, q);
         let left = area > 0.0 || area == 0.0 && (q[1] > p[1] || q[1] == p[1] && q[0] > p[0]);
         Side { area, left, width: is_outer.then(|| EDGE * length(p, q)) }
     }
@@ -84,15 +84,18 @@ impl Around {
 
     /// Where the sample is, in a triangle with these depths at its corners.
     pub fn at_edge(&self, second: bool, depths: [f32; 4]) -> AtEdge {
-        let part = |p: [f32; 2], q: [f32; 2]| p[0] * q[1] - p[1] * q[0];
         let [a, b, c, d] = self.corners;
-        let area = if second { part(c, d) + part(d, a) + part(a, c) } else { part(a, b) + part(b, c) - part(a, c) };
+        let area = if second {
+            area_of(c, d) + area_of(d, a) + area_of(a, c)
+        } else {
+            area_of(a, b) + area_of(b, c) - area_of(a, c)
+        };
         let (mut grid, mut primitive) = (false, false);
         for k in (0..4).filter(|k| self.outer[*k]) {
             let (p, q) = (self.corners[k], self.corners[(k + 1) % 4]);
             let band = BAND * EDGE;
             let beside = |c: usize| p[c].min(q[c]) <= band && p[c].max(q[c]) >= -band;
-            let inside = if area > 0.0 { part(p, q) } else { -part(p, q) };
+            let inside = if area > 0.0 { area_of(p, q) } else { -area_of(p, q) };
             if beside(0) && beside(1) && inside.abs() <= band * length(p, q) {
                 grid = true;
                 primitive |= self.rims[k] && inside <= ON_RIM * EDGE * length(p, q);
@@ -113,6 +116,12 @@ impl Around {
         let range = du.max(dv).max(0.0) - du.min(dv).min(0.0);
         if change < range * area { change / area } else { range }
     }
+}
+
+/// Twice the area between a sample and an edge whose ends are given from the sample on; positive where the sample lies to its left.
+#[inline(always)]
+pub fn area_of(p: [f32; 2], q: [f32; 2]) -> f32 {
+    p[0] * q[1] - p[1] * q[0]
 }
 
 /// The length of an edge as its two parts add up.

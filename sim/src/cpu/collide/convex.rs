@@ -85,7 +85,7 @@ impl Convex for [DVec3; 3] {
 }
 
 /// A corner of a box: bit k of the index is set where it is on the negative side of axis k.
-fn box_corner(size: DVec3, index: usize) -> DVec3 {
+pub fn box_corner(size: DVec3, index: usize) -> DVec3 {
     DVec3::from_array([0, 1, 2].map(|k| if index >> k & 1 == 1 { -size[k] } else { size[k] }))
 }
 
@@ -234,6 +234,9 @@ impl Simplex {
 
     /// That of corners which two sets have.
     fn of_corners(a: &impl Convex, b: &impl Convex, corners: &Corners) -> Option<Simplex> {
+        if *corners == Corners::default() {
+            return None;
+        }
         let mut v = [Vertex::default(); 4];
         let mut n = 0;
         for [i, j] in corners {

@@ -1,7 +1,7 @@
 //! Convex shapes against planes and against the triangles of meshes and height fields. All of these are solid behind their faces: a
 //! shape that has passed through is pushed out in front again.
 
-use super::convex::{self, Axis, Convex, Nearest, nearest_in_triangle, support_local};
+use super::convex::{self, Axis, Convex, Nearest, box_corner, nearest_in_triangle, support_local};
 use super::manifold::{self, Feature, feature};
 use super::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
 use crate::ShapeKind;
@@ -27,13 +27,13 @@ pub fn convex_plane(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usi
     match a.kind {
         ShapeKind::Box => {
             for corner in 0..8u32 {
-                let sign = |bit: u32| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
-                take(world(a.size * DVec3::new(sign(0), sign(1), sign(2))), corner);
+                take(world(box_corner(a.size, 7 - corner as usize)), corner);
             }
         }
         ShapeKind::Hull => {
             let vertices = a.hull.map_or(&[][..], |h| &h.vertices);
-            let gap = |k: usize| (world(vertices[k]) - b.position).dot(up);
+            let height = (a.position - b.position).dot(up);
+            let gap = |k: usize| height - vertices[k].dot(down);
             let near = || (0..vertices.len()).filter(|k| gap(*k) <= reach);
             if near().count() > MAX_POINTS {
                 spread(vertices, near, gap).into_iter().for_each(|k| take(world(vertices[k]), k as u32));

@@ -257,14 +257,12 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
         outcome: &mut Outcome,
         mut solve_joints: impl FnMut(&mut Self),
     ) {
-        /// The most sweeps over all, over the maximum number of iterations.
-        const BEYOND: u32 = 4;
         /// Sweeps over some tiles between two over all.
         const LOCAL: u32 = 3;
         let max = settings.max_iterations(n);
         let omega = settings.omega.unwrap_or(1.0);
         let of_all = if closing.is_finite() { omega.min(1.0) } else { omega };
-        while outcome.iterations < BEYOND * max {
+        while outcome.iterations < SolverSettings::BEYOND * max {
             for _ in 0..if outcome.iterations < max { 0 } else { LOCAL } {
                 self.sweep(settings.friction, omega, closing);
                 solve_joints(self);

@@ -11,9 +11,6 @@ use crate::shadeop::runs::{at, dot, put, triple};
 /// Rays that are asked about at once, but for those of one point.
 const MAX_RAYS: usize = 1 << 14;
 
-/// The most rays of a `gather`.
-const MAX_GATHERED: f32 = 65_535.0;
-
 /// Rays over a hemisphere if a shader asks for none.
 const SAMPLES: usize = 64;
 

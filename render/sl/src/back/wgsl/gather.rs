@@ -2,7 +2,7 @@
 
 use super::module::Query;
 use super::writer::{Done, Leaves, Writer};
-use crate::ir::{Op, Reg};
+use crate::ir::{MAX_GATHERED, Op, Reg};
 
 impl Writer<'_, '_> {
     pub fn gather(&mut self, op: &Op) -> Done {
@@ -32,7 +32,7 @@ impl Writer<'_, '_> {
         self.line(format!("let place_{id} = {position};"));
         self.line(format!("let axis_{id} = {axis};"));
         self.line(format!("let angle_{id} = {angle};"));
-        self.line(format!("let n_{id} = u32(clamp({samples}, 1.0, 65535.0));"));
+        self.line(format!("let n_{id} = u32(clamp({samples}, 1.0, {MAX_GATHERED:?}));"));
         self.open(format!("for (var i_{id} = 0u; i_{id} < n_{id}; i_{id} += 1u)"));
         if let Some(turn) = turn {
             self.line(format!("turn = sl_turn(outer_turn_{turn}, i_{id} + 1u);"));
