@@ -6,7 +6,8 @@ use std::path::Path;
 
 /// A simulation of a model given as YAML text.
 pub fn simulation(yaml: &str) -> Simulation {
-    let (file, doc) = frame::yaml::parse::<ModelFile>(Path::new("test.yaml"), yaml.into()).unwrap();
+    let (mut file, doc) = frame::yaml::parse::<ModelFile>(Path::new("test.yaml"), yaml.into()).unwrap();
+    file.choose(&doc).unwrap();
     let resolved = file.resolve(&doc).unwrap();
     Simulation::new(resolved.model, resolved.state)
 }

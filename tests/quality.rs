@@ -91,6 +91,41 @@ fn hulls_and_boxes_that_are_poured_hardly_overlap() {
     }
 }
 
+/// A wall of small bricks, one deep and fifty rows high, which gravity buckles, and what slides though it hardly moves.
+#[test]
+fn a_high_wall_of_small_bricks_rests_and_a_slope_does_not_hold_what_slides() {
+    let ground = "  - {name: ground, material: m, plane: {normal: [0, 0, 1]}}\n";
+    let brick = |k: usize, x: f64, z: f64| {
+        format!("  - {{name: b{k}, material: m, position: [{x}, 0, {z}], box: {{size: [0.25, 0.12, 0.1]}}}}\n")
+    };
+    let model = |gravity: [f64; 3], bricks: &str| {
+        simulation(&format!(
+            "quality: normal\ngravity: {gravity:?}\nmaterials: {{m: {{density: 2000, friction: 0.5}}}}\nbodies:\n{ground}{bricks}"
+        ))
+    };
+    let place = |k: usize| (k, 0.25 * (k % 3) as f64 + 0.125 * (k / 3 % 2) as f64, 0.05 + 0.1 * (k / 3) as f64);
+    let bricks: String = (0..150).map(place).map(|(k, x, z)| brick(k, x, z)).collect();
+    let mut wall = model([0.0, 0.0, -9.81], &bricks);
+    while wall.state.time < 5.0 {
+        wall.step();
+    }
+    assert!(mean_speed(&wall) < 1e-5, "{} m/s", mean_speed(&wall));
+
+    // Slopes whose tangents are the coefficient of friction and 0.2 % less or more.
+    let slide = |tangent: f64| {
+        let (sin, cos) = tangent.atan().sin_cos();
+        let mut slope = model([9.81 * sin, 0.0, -9.81 * cos], &brick(0, 0.0, 0.05));
+        while slope.state.time < 2.0 {
+            slope.step();
+        }
+        let (way, time) = (slope.state.position[1].x, slope.state.time);
+        (way, 0.5 * 9.81 * (sin - 0.5 * cos) * time * time)
+    };
+    assert!(slide(0.499).0 < 1e-6);
+    let (way, expected) = slide(0.501);
+    assert!((way / expected - 1.0).abs() < 0.1, "{way} m of {expected}");
+}
+
 /// Straight columns of ten spheres, as on the sites of a lattice, that fall on each other: sweeps go on until such a step has converged.
 #[test]
 fn columns_of_spheres_that_fall_converge() {

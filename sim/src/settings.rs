@@ -115,6 +115,9 @@ pub struct SolverSettings {
     /// Gap at which bodies other than spheres come to rest on each other, m: what a solve leaves of closing gaps this small would rock a
     /// pile.
     pub rest_gap: f64,
+    /// Speed below which what moves keeps only the share of its velocity in each step that it is of this, m/s: what a cut-off solve leaves of
+    /// the slow modes of a high wall, which gravity makes grow, then dies away.
+    pub rest_speed: f64,
     /// Maximum gap at which contacts are generated, m, to which the motion of a body in a step is added; if not given, a fiftieth of the
     /// smallest half length of a moving shape.
     pub envelope: Option<f64>,
@@ -144,6 +147,7 @@ impl Default for SolverSettings {
             warm_start: true,
             recovery_speed: 1.0,
             rest_gap: 0.0,
+            rest_speed: 0.0,
             envelope: None,
             recycle: None,
             sleep: None,

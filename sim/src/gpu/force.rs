@@ -1,4 +1,4 @@
-//! Velocities at the step's end without contacts: gravity.
+//! Velocities at the step's end without contacts: gravity, and what is slower than `rest_speed` loses up to half of its velocity.
 //! in   mass         [n_bodies]  1/kg, and principal, 1/(kg m²); zero for a body that does not move
 //! in   orientation  [n_bodies]
 //! in   velocity     [n_bodies]  m/s
@@ -23,7 +23,8 @@ pub fn record(
     let force = kernel_of(bodies.layout, device, kernels, ("force", include_str!("force.wgsl")))?;
     let [mass, orientation] = [bodies.mass.bind(), bodies.orientation.bind()];
     let bound = [mass, orientation, bodies.velocity.bind(), bodies.spin.bind(), free.bind()];
-    let fall = (model.gravity * model.step).to_array().map(bits);
-    commands.dispatch(device, &force, &bound, &fall, groups(bodies.n));
+    let [x, y, z] = (model.gravity * model.step).to_array();
+    let params = [x, y, z, model.solver.rest_speed].map(bits);
+    commands.dispatch(device, &force, &bound, &params, groups(bodies.n));
     Ok(())
 }

@@ -17,6 +17,9 @@ use std::collections::BTreeSet;
 /// The envelope of bodies of any shape over g h²: what loses its support falls by less before it is back, with the points that it had.
 const FALLS: f64 = 15.0;
 
+/// Speed below which bodies of any shape come to rest, over g h: what slows them there is at most a quarter of this share of their weight.
+const RESTS: f64 = 2e-3;
+
 /// The half length of what moves where it has no shape, at most, m.
 const UNKNOWN: f64 = 0.1;
 /// Sweeps over spheres at normal quality.
@@ -184,6 +187,7 @@ impl Quality {
             omega: choice.omega,
             recovery_speed: choice.recovery.map_or(open.recovery_speed, |share| share * (gravity * radius).sqrt()),
             rest_gap: choice.near.map_or(open.rest_gap, |[rest, _]| rest * radius),
+            rest_speed: choice.near.map_or(open.rest_speed, |_| RESTS * gravity * step),
             envelope: choice.near.map(|_| (FALLS * fall).clamp(radius / 50.0, radius / 8.0)),
             recycle: choice.near.map(|[_, recycle]| recycle * radius),
             ..open
@@ -222,8 +226,13 @@ impl ModelFile {
                 })*
             };
         }
-        fill!(friction, start_iterations, tolerance, recovery_speed, rest_gap, envelope, recycle);
-        self.step = if is_open("step") { step } else { self.step };
+        fill!(friction, start_iterations, tolerance, recovery_speed, rest_gap, rest_speed, envelope, recycle);
+        if is_open("step") {
+            self.step = step;
+        } else if is_open("solver.rest_speed") {
+            // A share of what a step of the given size adds.
+            self.solver.rest_speed *= self.step / step;
+        }
         Ok(())
     }
 }

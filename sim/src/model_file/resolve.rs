@@ -152,6 +152,7 @@ impl ModelFile {
             ("envelope", s.envelope),
             ("recycle", s.recycle),
             ("rest_gap", Some(s.rest_gap)),
+            ("rest_speed", Some(s.rest_speed)),
             ("sleep", s.sleep),
         ];
         for (key, value) in lengths.into_iter().filter_map(|(key, value)| Some((key, value?))) {

@@ -37,7 +37,24 @@ impl Falling<'_> {
         if !state.moves(b) {
             return Twist::default();
         }
-        Twist { v: state.velocity[b] + model.gravity * model.step, w: state.orientation[b] * state.angular_velocity[b] }
+        let kept = self.kept(b);
+        let (v, w) = (state.velocity[b] * kept, state.angular_velocity[b] * kept);
+        Twist { v: v + model.gravity * model.step, w: state.orientation[b] * w }
+    }
+
+    /// The share of its velocity that a body that moves keeps: that of its speed, with that of its turning at the radius of gyration, in
+    /// `rest_speed`.
+    #[inline]
+    fn kept(&self, b: usize) -> f64 {
+        let Falling { model, state } = self;
+        let least = model.solver.rest_speed;
+        if least == 0.0 {
+            return 1.0;
+        }
+        let (v, w, inverse) = (state.velocity[b], state.angular_velocity[b], model.inv_inertia[b]);
+        let turning = |k: usize| if w[k] == 0.0 { 0.0 } else { w[k] * w[k] / inverse[k] };
+        let speed2 = v.length_squared() + model.inv_mass[b] * (turning(0) + turning(1) + turning(2));
+        (speed2.sqrt() / least).min(1.0)
     }
 }
 

@@ -472,6 +472,30 @@ fn what_tumbles_does_so_as_on_the_cpu() {
     assert!((energy(&own) / energy(&cpu) - 1.0).abs() < 1e-5);
 }
 
+/// What is slower than the speed of rest stops as on the CPU, what is faster goes on.
+#[test]
+fn what_hardly_moves_stops_as_on_the_cpu() {
+    let mut builder = ModelBuilder::new("rest");
+    builder.material("stone", 2600.0, 0.5);
+    for (k, speed) in [2e-5, 8e-5, 3e-4].into_iter().enumerate() {
+        let body = builder.body(&format!("b{k}"), "stone", ShapeFile::cuboid([0.1, 0.2, 0.3]));
+        (body.position, body.velocity) = ([k as f64, 0.0, 0.0], [speed, 0.0, -0.5 * speed]);
+    }
+    let mut sim = builder.simulation().unwrap();
+    (sim.model.gravity, sim.model.solver.rest_speed) = (DVec3::ZERO, 1e-4);
+    sim.state.angular_velocity[0] = DVec3::new(2e-4, 0.0, -1e-4);
+    let Some(mut own) = super::whole::on_device(&sim.model, &sim.state) else { return };
+    let (before, mut cpu) = (sim.state.velocity[2], Simulation::new(sim.model, sim.state));
+    super::whole::steps(&mut own, 3);
+    super::whole::steps(&mut cpu, 3);
+    for (own, cpu) in own.state.velocity.iter().zip(&cpu.state.velocity) {
+        assert!((*own - *cpu).length() < 1e-5 * cpu.length(), "{own} {cpu}");
+    }
+    let turns = [&own, &cpu].map(|s| s.state.angular_velocity[0]);
+    assert!((turns[0] - turns[1]).length() < 1e-5 * turns[1].length(), "{turns:?}");
+    assert!(cpu.state.velocity[0].length() < 1e-6 && (cpu.state.velocity[2] - before).length() < 1e-12);
+}
+
 /// Boxes that slide and stick on a slope by Coulomb's law itself, and a ball among them.
 #[test]
 fn exact_friction_has_the_motion_of_the_cpu() {
