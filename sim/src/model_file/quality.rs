@@ -187,7 +187,7 @@ impl Quality {
             omega: choice.omega,
             recovery_speed: choice.recovery.map_or(open.recovery_speed, |share| share * (gravity * radius).sqrt()),
             rest_gap: choice.near.map_or(open.rest_gap, |[rest, _]| rest * radius),
-            rest_speed: choice.near.map_or(open.rest_speed, |_| RESTS * gravity * step),
+            rest_speed: choice.near.map_or(open.rest_speed, |_| RESTS * model.gravity.length() * step),
             envelope: choice.near.map(|_| (FALLS * fall).clamp(radius / 50.0, radius / 8.0)),
             recycle: choice.near.map(|[_, recycle]| recycle * radius),
             ..open
