@@ -4,7 +4,8 @@ use crate::analytic::simulation;
 use crate::cli::{scratch, scree};
 use sim::{Simulation, workload};
 
-/// A bed of 300 spheres in a narrow shaft, 30 layers deep. Some of its loose grains roll on between the others for three seconds.
+/// A bed of 300 spheres in a narrow shaft, 30 layers deep. Its loose grains roll on between the others for 1.8 to 4.1 s
+/// (31 of 32 such beds).
 const SHAFT: &str = "step: 1e-3
 seed: 3
 materials: {m: {density: 2500, friction: 0.5}}
@@ -18,12 +19,16 @@ fills:
   - {name: grains, material: m, count: 300, radius: [0.045, 0.055], min: [-0.17, -0.17, 0], max: [0.17, 0.17, 12]}
 ";
 
-/// The mean speed of the bodies that move, m/s, and the error of the vertical force on those that do not over the weight.
+/// The mean speed of the bodies that move, m/s, but for the fastest hundredth, which may be loose, and the error of the vertical force on those
+/// that do not move over the weight.
 fn unrest(sim: &Simulation) -> (f64, f64) {
     let (model, state) = (&sim.model, &sim.state);
     let moving: Vec<usize> = (0..model.n_bodies()).filter(|b| model.inv_mass[*b] > 0.0).collect();
     let weight = moving.iter().map(|b| 9.81 / model.inv_mass[*b]).sum::<f64>();
-    let speed = moving.iter().map(|b| state.velocity[*b].length()).sum::<f64>() / moving.len() as f64;
+    let mut speeds: Vec<f64> = moving.iter().map(|b| state.velocity[*b].length()).collect();
+    speeds.sort_by(f64::total_cmp);
+    speeds.truncate((99 * speeds.len()).div_ceil(100));
+    let speed = speeds.iter().sum::<f64>() / speeds.len() as f64;
     let held = |b: u32| model.inv_mass[b as usize] == 0.0;
     let force = (0..state.contacts.len()).map(|i| match state.contacts.bodies[i].map(held) {
         [true, false] => state.contacts.impulse[i].z,
@@ -39,7 +44,7 @@ fn a_deep_bed_comes_to_rest_with_few_iterations() {
         ["method: apgd", "method: barzilai_borwein", "method: gauss_seidel", "method: gauss_seidel, friction: exact"]
     {
         let mut sim = simulation(&format!("solver: {{{solver}, iterations: 50}}\n{SHAFT}"));
-        (0..4_000).for_each(|_| drop(sim.step()));
+        (0..5_500).for_each(|_| drop(sim.step()));
         for _ in 0..500 {
             sim.step();
             let (speed, force) = unrest(&sim);
@@ -181,7 +186,7 @@ fn a_run_on_a_bed_at_rest_starts_at_rest() {
     let at = |name: &str| work.path().join(name).to_str().unwrap().to_string();
     std::fs::write(
         at("bed.yaml"),
-        format!("duration: 2.6\nframe_rate: 1\nsolver: {{method: gauss_seidel, iterations: 50}}\n{SHAFT}"),
+        format!("duration: 5\nframe_rate: 1\nsolver: {{method: gauss_seidel, iterations: 50}}\n{SHAFT}"),
     )
     .unwrap();
     scree(&["simulate", &at("bed.yaml"), "-o", &at("bed")]).ok();
