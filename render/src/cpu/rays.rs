@@ -267,15 +267,8 @@ impl<'a> Hulls<'a> {
 
     /// The facets of an item, as rays meet it; none of a whole sphere.
     fn facets(&self, scene: &Scene, item: Item) -> Vec<[Vec3; 3]> {
-        let (shape, to_world) = scene.place(item);
         let displaced = self.displaced.as_ref().and_then(|displaced| displaced.facets(item));
-        match (displaced, shape) {
-            (Some(facets), _) => facets,
-            (None, Shape::Patches(patches, _)) => {
-                patches.iter().flat_map(|p| facets_of(p, Cut::of(p), to_world)).collect()
-            }
-            (None, Shape::Sphere) => vec![],
-        }
+        displaced.unwrap_or_else(|| still_facets(scene, item))
     }
 
     /// Whether no light gets through an item that casts shadows.
@@ -338,6 +331,36 @@ impl<'a> Hulls<'a> {
             let surfaces = line.iter().zip(kept).filter(|(_, kept)| **kept).map(|(m, _)| &met[m.name as usize]);
             surfaces.for_each(|m| visit(m.t, m.item));
         });
+    }
+}
+
+/// Say which primitives that are solids by themselves do not enclose a volume, as they are before displacement.
+pub fn say_open(scene: &Scene) {
+    let open = scene.solids.lone.par_iter().map(|lone| {
+        let of = |s: u32| (0..scene.sources[s as usize].len()).map(move |i| Item { source: s, index: i as u32 });
+        let items: Vec<Item> = lone.sources.clone().flat_map(of).collect();
+        let bvh = Bvh::of(scene, items.iter().copied());
+        let facets: Vec<_> = items.iter().flat_map(|item| still_facets(scene, *item)).collect();
+        is_open(&facets, &|from, dir, bias| {
+            let mut met = vec![];
+            bvh.crossings(None, from, dir, [bias; 2], &mut met);
+            met.len()
+        })
+    });
+    let open: Vec<bool> = open.collect();
+    for (lone, _) in scene.solids.lone.iter().zip(open).filter(|(_, is_open)| *is_open) {
+        let message = "a `SolidBegin \"primitive\"` does not enclose a volume: its surfaces are drawn as they are";
+        scene.warnings.add_at(lone.spot, message.into());
+    }
+}
+
+/// The facets of an item before displacement, as rays meet it; none of a whole sphere.
+fn still_facets(scene: &Scene, item: Item) -> Vec<[Vec3; 3]> {
+    match scene.place(item) {
+        (Shape::Patches(patches, _), to_world) => {
+            patches.iter().flat_map(|p| facets_of(p, Cut::of(p), to_world)).collect()
+        }
+        (Shape::Sphere, _) => vec![],
     }
 }
 
