@@ -374,6 +374,54 @@ fn light_passes_an_edge_of_two_faces_as_one_layer() {
 }
 
 /// A particle is a disk before the eye (RISpec 5.5): one layer, whichever way it is turned.
+/// Faces of one mesh that lie in one place are as many layers as there are, to the eye and to light; of opaque ones the first is seen, without
+/// speckles and without shadows on each other, and so is a mesh that has its faces both ways round.
+#[test]
+fn faces_of_a_mesh_in_one_place_are_layers() {
+    let points = "\"P\" [0.1 -0.8 0 0.5 -0.8 0 0.5 0.8 0 0.1 0.8 0]";
+    let mesh = |faces: &[&str]| {
+        let corners: Vec<String> = faces.iter().map(|face| face.split(' ').count().to_string()).collect();
+        format!("PointsPolygons [{}] [{}] {points}", corners.join(" "), faces.join(" "))
+    };
+    let (face, turned, back) = ("0 1 2 3", "1 2 3 0", "3 2 1 0");
+    let (both, other) = (["0 1 2", "0 2 3"], ["0 1 3", "1 2 3"]);
+    let object = format!("ObjectBegin 1 {} ObjectEnd ObjectInstance 1", mesh(&[face, face]));
+    // The light comes at 45 degrees: the shadow of what is at x lies at x − 0.5, half a unit behind.
+    let sun = "LightSource \"distantlight\" 1 \"from\" [1 0 -1] \"to\" [0 0 0] Surface \"matte\" \"Ka\" 0";
+    let ground = "Polygon \"P\" [-1 -1 0.5 1 -1 0.5 1 1 0.5 -1 1 0.5]";
+    let bare = render(PLAIN, &format!("{sun} {ground}")).at(32, 32)[0];
+    for (what, n) in [
+        (mesh(&[face]), 1),
+        (mesh(&[face, face]), 2),
+        (mesh(&[face, turned]), 2),
+        (mesh(&[face, back]), 2),
+        (mesh(&[face, face, back]), 3),
+        (mesh(&both), 1),
+        (mesh(&[&both[..], &both[..]].concat()), 2),
+        (mesh(&[&both[..], &other[..]].concat()), 2),
+        (object, 2),
+    ] {
+        let alone = render(PLAIN, &format!("Opacity 0.5 0.5 0.5 {what}"));
+        assert_near(alone.at(40, 30)[3], 1.0 - 0.5f32.powi(n), &what);
+        let lit = render(PLAIN, &format!("{sun} {ground} Opacity 0.5 0.5 0.5 {what}"));
+        // Between −0.4 and 0: apart from the edges, and a little off the middle.
+        let shadow: Vec<f32> = (22..30).flat_map(|x| [20, 30, 35].map(|y| lit.at(x, y)[0])).collect();
+        for found in shadow {
+            assert_near(found, bare * 0.5f32.powi(n), &format!("the shadow of {what}"));
+        }
+        // Opaque ones are shaded as one.
+        let askew = format!("{sun} {ground} Rotate 20 1 2 0.5");
+        let [one, all] = [mesh(&[face]), what].map(|what| render(PLAIN, &format!("{askew} {what}")).pixels);
+        for (found, expected) in all.iter().zip(&one) {
+            (0..4).for_each(|c| assert!((found[c] - expected[c]).abs() < 2e-3, "{found:?}, expected {expected:?}"));
+        }
+    }
+    // Many of them take time in proportion to their number.
+    let many = vec![face; 4000];
+    let alone = render(PLAIN, &format!("Opacity 0.001 0.001 0.001 {}", mesh(&many)));
+    assert_near(alone.at(40, 30)[3], 1.0 - 0.999f32.powi(4000), "4000 faces");
+}
+
 #[test]
 fn points_are_one_layer() {
     let point = "Points \"P\" [0 0 0] \"constantwidth\" [1.4]";

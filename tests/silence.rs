@@ -92,6 +92,70 @@ fn what_cannot_be_drawn_as_it_stands_is_said_with_its_place() {
     );
 }
 
+/// A solid without any primitive, and one whose surfaces do not enclose it.
+#[test]
+fn solids_that_enclose_nothing_are_said_with_their_place() {
+    let head = format!("Display \"t.png\" \"png\" \"rgb\"\n{ORTHO}\nWorldBegin\n");
+    let sphere = "Sphere .5 -.5 .5 360";
+    let said_of = |world: &str| said(&[], &format!("{head}{world}\nWorldEnd\n")).errors().to_string();
+    let empty = |operation: &str| format!("`SolidBegin \"{operation}\"` has no primitive in it: it encloses nothing");
+    for operation in ["primitive", "union", "intersection", "difference"] {
+        let answer = said_of(&format!("{sphere} SolidBegin \"{operation}\" Color 1 0 0 SolidEnd"));
+        assert!(answer.contains(&format!("t.rib:4:22: {}", empty(operation))), "{operation}: {answer}");
+    }
+    let object = "ObjectBegin 1 ObjectEnd ObjectBegin 2 SolidBegin \"primitive\" Sphere 1 -1 1 360 SolidEnd ObjectEnd";
+    let disks = "Disk -1 .5 360 Disk 1 .5 360";
+    let open = "does not enclose a volume: its surfaces are drawn as they are";
+    for (world, place, expected) in [
+        (
+            format!("SolidBegin \"difference\" {sphere}\nSolidBegin \"primitive\" SolidEnd SolidEnd"),
+            "5:1",
+            empty("primitive"),
+        ),
+        (
+            format!("SolidBegin \"intersection\" {sphere}\nSolidBegin \"union\" SolidEnd SolidEnd"),
+            "5:1",
+            empty("union"),
+        ),
+        (
+            "SolidBegin \"union\"\nAttributeBegin SolidBegin \"primitive\" SolidEnd AttributeEnd SolidEnd".into(),
+            "5:16",
+            empty("primitive"),
+        ),
+        (
+            "SolidBegin \"union\"\nAttributeBegin SolidBegin \"primitive\" SolidEnd AttributeEnd SolidEnd".into(),
+            "4:1",
+            empty("union"),
+        ),
+        (format!("{object} SolidBegin \"primitive\" ObjectInstance 1 SolidEnd"), "4:99", empty("primitive")),
+        ("ObjectBegin 1 SolidBegin \"union\" SolidEnd ObjectEnd".into(), "4:15", empty("union")),
+        ("SolidBegin \"primitive\" PointsPolygons [] [] \"P\" [] SolidEnd".into(), "4:1", empty("primitive")),
+        ("SolidBegin \"primitive\" Cylinder .5 -1 1 360 SolidEnd".into(), "4:1", open.into()),
+        ("SolidBegin \"primitive\" Cylinder .5 -1 1 360 Disk 1 .5 360 SolidEnd".into(), "4:1", open.into()),
+        (format!("SolidBegin \"primitive\" {disks} SolidEnd"), "4:1", open.into()),
+    ] {
+        let answer = said_of(&world);
+        let line = answer.lines().find(|line| line.contains(&expected) && line.contains(&format!("t.rib:{place}: ")));
+        assert!(line.is_some(), "{world}: {answer}");
+    }
+    let tube = format!("Cylinder .5 -1 1 360 {disks}");
+    for whole in [
+        format!("SolidBegin \"primitive\" {sphere} SolidEnd"),
+        format!("SolidBegin \"primitive\" {tube} SolidEnd"),
+        format!("Cylinder .5 -1 1 360 SolidBegin \"primitive\" {tube} SolidEnd"),
+        format!("SolidBegin \"primitive\" Rotate 30 1 2 3 {tube} SolidEnd SolidBegin \"primitive\" {sphere} SolidEnd"),
+        format!("{object} SolidBegin \"primitive\" ObjectInstance 2 SolidEnd ObjectInstance 2"),
+        format!(
+            "SolidBegin \"difference\" {sphere} SolidEnd SolidBegin \"union\" SolidBegin \"primitive\" {tube} SolidEnd SolidEnd"
+        ),
+        format!("SolidBegin \"primitive\" MotionBegin [0 1] {sphere} {sphere} MotionEnd SolidEnd"),
+        "SolidBegin \"primitive\" Torus .5 .2 0 360 360 SolidEnd".into(),
+    ] {
+        let answer = said_of(&whole);
+        assert!(!answer.contains("enclose"), "{whole}: {answer}");
+    }
+}
+
 /// Of what a shader asks in vain, the place of the primitive and that in the shader are said.
 #[test]
 fn what_a_shader_asks_in_vain_is_said_with_both_places() {
@@ -103,6 +167,9 @@ fn what_a_shader_asks_in_vain_is_said_with_both_places() {
         ("Ci = environment(\"no.png\", N);", "texture `no.png` cannot be read and is black"),
         ("Ci = color(transform(\"nosuch\", P));", "names the unknown space `nosuch`; world space is taken"),
         ("Ci = ctransform(concat(\"no\", \"such\"), Cs);", "unknown colour space `nosuch`"),
+        ("float x[2]; Ci = textureinfo(\"no.png\", \"resolution\", x);", "texture `no.png` cannot be read"),
+        ("float n; Ci = textureinfo(\"no.png\", \"channels\", n);", "texture `no.png` cannot be read"),
+        ("string kind; Ci = textureinfo(\"no.png\", \"type\", kind);", "texture `no.png` cannot be read"),
         ("Ci = shadow(\"no.png\", P);", "shadow() is answered in light shaders alone"),
         ("Ci = texture(\"\", s, t, \"foo\", 1);", "has the unknown option `foo`"),
         // The surface's s and t are looked up at, whatever variables have their names.
@@ -170,4 +237,45 @@ fn infinite_colours_are_said_and_are_numbers() {
         assert!(image.pixels.iter().flatten().all(|x| x.is_finite()), "{filter}");
         assert!(image.pixels.iter().any(|p| p[0] > 1e20), "{filter}");
     }
+}
+
+/// Textures of images that there are not, used or not; whether there is one may be asked.
+#[test]
+fn images_that_textures_are_made_of_are_looked_for() {
+    let square = image::RgbaImage::from_pixel(2, 2, image::Rgba([255; 4]));
+    let head = "Display \"t.png\" \"png\" \"rgb\"\nFormat 8 8 1\n";
+    let made = |request: &str| {
+        let work = scratch();
+        std::fs::create_dir(work.path().join("maps")).unwrap();
+        square.save(work.path().join("there.png")).unwrap();
+        square.save(work.path().join("maps/other.png")).unwrap();
+        let path = work.path().join("t.rib");
+        let world = "WorldBegin\nDisk 0 .8 360\nWorldEnd\n";
+        std::fs::write(&path, format!("{head}{request}\n{world}Display \"u.png\" \"png\" \"rgb\"\n{world}")).unwrap();
+        let answer = scree(&["render", path.to_str().unwrap(), "-o", work.path().to_str().unwrap()]);
+        answer.ok();
+        answer.errors()
+    };
+    let faces = |last: &str| {
+        let five = "\"there.png\" ".repeat(5);
+        format!("MakeCubeFaceEnvironment {five}\"{last}\" \"cube\" 90 \"box\" 1 1")
+    };
+    for (request, name, image) in [
+        ("MakeTexture \"no.png\" \"a\" \"black\" \"black\" \"box\" 1 1".to_string(), "a", "no.png"),
+        ("MakeLatLongEnvironment \"no.png\" \"b\" \"box\" 1 1".into(), "b", "no.png"),
+        (faces("gone.png"), "cube", "gone.png"),
+    ] {
+        let errors = made(&request);
+        let said = format!("t.rib:3:1: the texture `{name}` is black: there is no image `{image}` to make it of");
+        assert_eq!(errors.matches(&said).count(), 1, "{request}: {errors}");
+    }
+    let there = "MakeTexture \"there.png\" \"a\" \"black\" \"black\" \"box\" 1 1";
+    let other = "MakeLatLongEnvironment \"other.png\" \"b\" \"box\" 1 1\nOption \"searchpath\" \"texture\" \"maps\"";
+    for request in [there, &faces("there.png"), other] {
+        let errors = made(request);
+        assert!(!errors.contains("warning"), "{request}: {errors}");
+    }
+    let asks = "surface t() { float x = 2; textureinfo(\"no.png\", \"exists\", x); Oi = 1; Ci = x; }";
+    let answer = said(&[("t.sl", asks)], &format!("{head}WorldBegin Surface \"t\" Disk 0 .8 360\nWorldEnd\n"));
+    assert!(!answer.errors().contains("warning"), "{}", answer.errors());
 }

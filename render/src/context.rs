@@ -11,6 +11,7 @@ pub mod moving;
 pub mod new;
 pub mod objects;
 pub mod open_object;
+pub mod open_solid;
 pub mod options;
 pub mod primitives;
 pub mod projected;

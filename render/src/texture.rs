@@ -96,13 +96,25 @@ impl Map {
     }
 }
 
+impl Source {
+    /// The files of its images.
+    fn paths(&self) -> &[PathBuf] {
+        match self {
+            Source::Image(path, _) | Source::LatLong(path) => std::slice::from_ref(path),
+            Source::CubeFaces(paths, _) => paths,
+        }
+    }
+
+    /// The first of its images that there is no file of.
+    pub fn missing(&self, folders: &[PathBuf]) -> Option<&Path> {
+        self.paths().iter().find(|path| find(path, folders).is_none()).map(PathBuf::as_path)
+    }
+}
+
 /// Note the files of the texture of this name, if there is one.
 pub fn note(name: &str, made: &Made, folders: &[PathBuf]) {
-    let paths = match made.get(name) {
-        Some(Source::Image(path, _) | Source::LatLong(path)) => vec![path.clone()],
-        Some(Source::CubeFaces(paths, _)) => paths.to_vec(),
-        None => vec![name.into()],
-    };
+    let own = [PathBuf::from(name)];
+    let paths = made.get(name).map_or(&own[..], Source::paths);
     paths.iter().filter_map(|path| find(path, folders)).for_each(|path| guard::note(&path));
 }
 
@@ -158,8 +170,8 @@ impl Textures {
     }
 
     /// Width and height of a texture, or of a face of it, and how many channels it has, if it can be read.
-    pub fn size(&self, name: &str, warnings: &Warnings) -> Option<([f32; 2], f32)> {
-        let map = self.get(name).map_err(|message| warnings.add(message)).ok()?;
+    pub fn size(&self, name: &str) -> Option<([f32; 2], f32)> {
+        let map = self.get(name).ok()?;
         let first = match &*map {
             Map::Image(image) => image,
             Map::Cube(faces, _) => &faces[0],
@@ -170,11 +182,9 @@ impl Textures {
 
     /// Whether there are the files of a texture.
     pub fn exists(&self, name: &str) -> bool {
-        let is_there = |path: &Path| find(path, &self.folders).is_some();
         match self.made.get(name) {
-            Some(Source::Image(path, _) | Source::LatLong(path)) => is_there(path),
-            Some(Source::CubeFaces(paths, _)) => paths.iter().all(|path| is_there(path)),
-            None => is_there(Path::new(name)),
+            Some(source) => source.missing(&self.folders).is_none(),
+            None => find(Path::new(name), &self.folders).is_some(),
         }
     }
 

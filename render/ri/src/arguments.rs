@@ -3,7 +3,7 @@
 //! Numbers are taken from the bytes without making tokens of them where that is all that follows; anything else goes token by token.
 
 use crate::conditions::Conditions;
-use crate::lexer::{Lexer, Token};
+use crate::lexer::{Lexer, Mark, Token};
 use crate::params::{Declarations, Param, Params, Type, Values};
 use crate::requests::Request;
 use crate::ri::Fail;
@@ -35,6 +35,10 @@ pub(crate) struct Arguments<'a> {
     path: &'a Path,
     pub(crate) lexer: Lexer<'a>,
     peeked: Option<(Token<'a>, Spot)>,
+    /// The first byte of the token that was taken last, or looked at.
+    token_start: usize,
+    /// What is at fault, if that is not what comes next.
+    pub(crate) at_fault: Option<Spot>,
     pub(crate) known: &'a mut Known,
     /// Where the request under way stands.
     pub(crate) request: Spot,
@@ -80,7 +84,8 @@ impl<'a> Arguments<'a> {
     /// Start at the beginning of a stream that came from `path`.
     pub(crate) fn new(path: &'a Path, bytes: &'a [u8], known: &'a mut Known) -> Arguments<'a> {
         let lexer = Lexer::new(bytes);
-        Arguments { path, lexer, peeked: None, known, request: (1, 1), warnings: vec![] }
+        let (peeked, at_fault) = (None, None);
+        Arguments { path, lexer, peeked, token_start: 0, at_fault, known, request: (1, 1), warnings: vec![] }
     }
 
     /// Warn of something, once for each `key`, with the request's place.
@@ -117,7 +122,23 @@ impl<'a> Arguments<'a> {
             return Ok(Some(token));
         }
         let place = self.lexer.place();
-        Ok(self.lexer.next()?.map(|t| (t, place)))
+        self.token_start = self.lexer.position();
+        let token = self.lexer.next().inspect_err(|_| self.at_fault = Some(place))?;
+        Ok(token.map(|t| (t, place)))
+    }
+
+    /// The place of the token that follows, and its first byte.
+    pub(crate) fn next_start(&mut self) -> (Spot, usize) {
+        match &self.peeked {
+            Some((_, place)) => (*place, self.token_start),
+            None => (self.lexer.place(), self.lexer.position()),
+        }
+    }
+
+    /// Where a fault of the arguments lies that begin at `start`: where reading stopped, unless it is known better.
+    pub(crate) fn fault(&mut self, start: Mark) -> Spot {
+        let known = self.at_fault.take().or(self.peeked.as_ref().map(|(_, place)| *place));
+        known.unwrap_or_else(|| self.lexer.place_after(start))
     }
 
     /// The next token, left in place. Comments within a request are passed over.
@@ -134,6 +155,13 @@ impl<'a> Arguments<'a> {
 
     fn expected<T>(&mut self, what: &str) -> Result<T, Fail> {
         let found = self.peek()?.map_or("the end of the file".into(), describe);
+        // What ends before all of its arguments is at fault itself, not the request that follows.
+        let ends = match &self.peeked {
+            Some((Token::Word(word), (line, _))) => *line != self.request.0 || Request::named(word).is_some(),
+            Some((token, _)) => matches!(token, Token::Comment(_)),
+            None => true,
+        };
+        self.at_fault = ends.then_some(self.request);
         Err(Fail::new(format!("expected {what}, found {found}")))
     }
 
@@ -211,8 +239,15 @@ impl<'a> Arguments<'a> {
     #[inline(always)]
     pub(crate) fn numbers<const N: usize>(&mut self, what: &str) -> Result<[f32; N], Fail> {
         let mut out = [0.0; N];
-        let n = if self.peeked.is_none() { self.lexer.fill(&mut out).map_err(Fail::new)? } else { 0 };
+        let n = if self.peeked.is_none() { self.lexer.fill(&mut out).map_err(|m| self.stops_here(m))? } else { 0 };
         if n == N { Ok(out) } else { self.more_numbers(out, n, what) }
+    }
+
+    /// What cannot be read stands where reading has stopped.
+    #[cold]
+    fn stops_here(&mut self, message: String) -> Fail {
+        self.at_fault = Some(self.lexer.place());
+        Fail::new(message)
     }
 
     /// The numbers after the first `n`, token by token.
@@ -245,7 +280,7 @@ impl<'a> Arguments<'a> {
         }
         let mut out = Vec::new();
         loop {
-            self.lexer.numbers(&mut out).map_err(Fail::new)?;
+            self.lexer.numbers(&mut out).map_err(|message| self.stops_here(message))?;
             match self.peek()? {
                 Some(Token::Close) => {
                     self.peeked = None;
@@ -320,8 +355,14 @@ impl<'a> Arguments<'a> {
     fn parameters(&mut self) -> Result<Params, Fail> {
         let mut params: Params = Vec::new();
         while self.has_text()? {
+            let place = self.peeked.as_ref().map(|(_, place)| *place);
             let token = self.text()?;
-            let Some(decl) = self.known.declarations.resolve(&token).map_err(Fail::new)? else {
+            let decl = self.known.declarations.resolve(&token);
+            let decl = decl.map_err(|message| {
+                self.at_fault = place;
+                Fail::new(message)
+            })?;
+            let Some(decl) = decl else {
                 // What is not declared is read over, as the specification asks.
                 let ty = if self.pass_value()? { "string" } else { "float" };
                 let message = self.undeclared(&token, ty);
@@ -341,6 +382,7 @@ impl<'a> Arguments<'a> {
             let is_none = n == 0 && (decl.class.is_whole() || decl.ty == Type::String);
             if is_none || n % decl.width() != 0 {
                 let message = format!("`{}` has {n} values, expected a multiple of {}", decl.inline(), decl.width());
+                self.at_fault = place;
                 return Err(Fail::new(message));
             }
             params.push(Param { decl, values });

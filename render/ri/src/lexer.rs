@@ -70,14 +70,11 @@ impl<'a> Lexer<'a> {
         Lexer { bytes, at: 0, line: 1, line_start: 0, codes: Codes::default() }
     }
 
-    /// Count lines from this one: what is read is a part of a file.
-    pub(crate) fn begin_at(&mut self, line: usize) {
+    /// Count lines and columns from these: what is read is a part of a file.
+    pub(crate) fn begin_at(&mut self, (line, column): (usize, usize)) {
         self.line = line;
-    }
-
-    /// The line that the next byte is in, from 1.
-    pub(crate) fn line(&self) -> usize {
-        self.line
+        // The line begins before what is read.
+        self.line_start = self.at.wrapping_sub(column - 1);
     }
 
     /// The byte that comes next.
@@ -112,7 +109,7 @@ impl<'a> Lexer<'a> {
                 _ => break,
             }
         }
-        (self.line, self.at - self.line_start + 1)
+        (self.line, self.at.wrapping_sub(self.line_start) + 1)
     }
 
     /// The next token; `Ok(None)` at the end; `Err` is what is wrong.
@@ -278,8 +275,9 @@ impl<'a> Lexer<'a> {
             .position(|b| !(b.is_ascii_alphanumeric() || matches!(b, b'+' | b'-' | b'.')))
             .unwrap_or(bytes.len());
         let word = String::from_utf8_lossy(&bytes[..end]);
+        let number = word.parse().map_err(|_| format!("`{word}` is not a number"))?;
         self.at += end;
-        word.parse().map_err(|_| format!("`{word}` is not a number"))
+        Ok(number)
     }
 
     fn quoted(&mut self) -> Result<String, String> {

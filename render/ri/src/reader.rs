@@ -74,7 +74,8 @@ pub fn read(
     let bytes = unpacked.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&unpacked);
     let arguments = Arguments::new(path, bytes, &mut known);
     let mut shared = Shared { read: bytes.len() as u64, ..Default::default() };
-    let mut reader = Reader { path, bytes, line: 1, arguments, shared: &mut shared, files, depth: 0, branches: vec![] };
+    let (shared, depth, branches) = (&mut shared, 0, vec![]);
+    let mut reader = Reader { path, bytes, line: 1, before: &[], arguments, shared, files, depth, branches };
     if bytes.trim_ascii().is_empty() {
         return Err(*reader.error((1, 1), "is empty, expected RIB requests"));
     }
@@ -129,10 +130,18 @@ struct Shared {
 /// An archive between `ArchiveBegin` and `ArchiveEnd`, and where it stands.
 struct Inline {
     path: PathBuf,
-    /// The line of its first byte, from 1.
-    line: usize,
+    /// Line and column of its first byte, from 1.
+    begins: Spot,
+    /// What stands before it in that line.
+    before: Vec<u8>,
     bytes: Vec<u8>,
 }
+
+/// Where a file begins: nothing stands before.
+const FIRST: (Spot, &[u8]) = ((1, 1), &[]);
+
+/// The most bytes of a line that an error shows.
+const SHOWN: usize = 500;
 
 /// An open `IfBegin`.
 struct Branch {
@@ -146,8 +155,9 @@ struct Branch {
 struct Reader<'a> {
     path: &'a Path,
     bytes: &'a [u8],
-    /// The line of the first byte, from 1.
+    /// The line of the first byte, from 1, and what stands before that in it.
     line: usize,
+    before: &'a [u8],
     arguments: Arguments<'a>,
     shared: &'a mut Shared,
     files: &'a Files,
@@ -157,10 +167,12 @@ struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     fn error(&self, (line, column): Spot, message: impl Into<String>) -> Box<RibError> {
-        let text = self.bytes.split(|b| *b == b'\n').nth(line.saturating_sub(self.line)).unwrap_or(b"");
+        let n = line.saturating_sub(self.line);
+        let text = self.bytes.split(|b| *b == b'\n').nth(n).unwrap_or(b"");
+        let text = [if n == 0 { self.before } else { &[] }, &text[..text.len().min(SHOWN)]].concat();
         Box::new(RibError {
             place: Place { file: self.path.into(), line, column },
-            text: String::from_utf8_lossy(&text[..text.len().min(500)]).trim_end_matches('\r').to_string(),
+            text: String::from_utf8_lossy(&text[..text.len().min(SHOWN)]).trim_end_matches('\r').to_string(),
             message: message.into(),
         })
     }
@@ -234,12 +246,8 @@ impl<'a> Reader<'a> {
                 };
                 ri.stands_at(None);
                 done.map_err(|Placed { fail, in_arguments }| {
-                    // A fault in the arguments is placed where reading stopped, one of the call itself at its name.
-                    let at = if in_arguments {
-                        self.arguments.peeked().map_or_else(|| self.arguments.lexer.place_after(start), |(_, p)| *p)
-                    } else {
-                        place
-                    };
+                    // A fault of the call itself is placed at its name.
+                    let at = if in_arguments { self.arguments.fault(start) } else { place };
                     self.error(at, fail.message)
                 })
             }
@@ -306,17 +314,18 @@ impl<'a> Reader<'a> {
         }
         if let Some(own) = self.shared.archives.get(name).cloned() {
             self.repeat(own.bytes.len(), place)?;
-            return self.counted(|reader| reader.nested(&own.path, own.line, &own.bytes, ri, on_directive));
+            return self
+                .counted(|reader| reader.nested(&own.path, (own.begins, &own.before), &own.bytes, ri, on_directive));
         }
         let (path, bytes) =
             self.files.read_bytes(name, &["scenes"]).map_err(|m| self.error(place, format!("archive {m}")))?;
         let bytes = unpack(&bytes).map_err(|m| self.error(place, format!("archive `{name}`: {m}")))?;
         if self.shared.files.insert(path.clone()) {
             self.shared.read += bytes.len() as u64;
-            return self.nested(&path, 1, &bytes, ri, on_directive);
+            return self.nested(&path, FIRST, &bytes, ri, on_directive);
         }
         self.repeat(bytes.len(), place)?;
-        self.counted(|reader| reader.nested(&path, 1, &bytes, ri, on_directive))
+        self.counted(|reader| reader.nested(&path, FIRST, &bytes, ri, on_directive))
     }
 
     /// Count an archive that is read again: a few lines could read each other more often than there is time for. A long scene may read
@@ -363,11 +372,11 @@ impl<'a> Reader<'a> {
         done
     }
 
-    /// Read a stream within this one; `line` is the line of its first byte.
+    /// Read a stream within this one; `begins` is the place of its first byte, `before` what stands before that in its line.
     fn nested(
         &mut self,
         path: &Path,
-        line: usize,
+        (begins, before): (Spot, &[u8]),
         bytes: &[u8],
         ri: &mut dyn Ri,
         on_directive: &mut Directive<'_>,
@@ -375,22 +384,25 @@ impl<'a> Reader<'a> {
         let codes = self.arguments.lexer.codes.clone();
         let mut arguments = Arguments::new(path, bytes, self.arguments.known);
         arguments.lexer.codes = codes;
-        arguments.lexer.begin_at(line);
+        arguments.lexer.begin_at(begins);
         let (shared, files, depth) = (&mut *self.shared, self.files, self.depth + 1);
-        Reader { path, bytes, line, arguments, shared, files, depth, branches: vec![] }.run(ri, on_directive)
+        let (line, branches) = (begins.0, vec![]);
+        Reader { path, bytes, line, before, arguments, shared, files, depth, branches }.run(ri, on_directive)
     }
 
     /// Keep what stands between `ArchiveBegin` and its `ArchiveEnd`.
     fn inline_archive(&mut self, place: Spot) -> Result<(), Box<RibError>> {
         let name = self.arguments.text().map_err(|f| self.error(place, f.message))?;
         self.arguments.params().map_err(|f| self.error(place, f.message))?;
-        let start = self.peeked_start();
-        // What was looked at stands in the lexer's line.
-        let line = self.arguments.peeked().map_or_else(|| self.arguments.lexer.line(), |(_, (line, _))| *line);
+        let (begins, start) = self.arguments.next_start();
+        let column = begins.1 - 1;
+        let own = &self.bytes[start.saturating_sub(column)..start];
+        let outer = if column > start { self.before } else { &[] };
+        let mut before = [outer, &own[..own.len().min(SHOWN)]].concat();
+        before.truncate(SHOWN);
         let mut depth = 1;
         loop {
-            let before = self.peeked_start();
-            let here = self.arguments.lexer.place();
+            let (here, end) = self.arguments.next_start();
             let token = self.arguments.take().map_err(|m| self.error(here, m))?;
             match token {
                 None => return Err(self.error(place, "`ArchiveBegin` without `ArchiveEnd`")),
@@ -398,24 +410,13 @@ impl<'a> Reader<'a> {
                 Some((Token::Word(word), _)) if word == "ArchiveEnd" => {
                     depth -= 1;
                     if depth == 0 {
-                        let inline = Inline { path: self.path.into(), line, bytes: self.bytes[start..before].into() };
+                        let (path, bytes) = (self.path.into(), self.bytes[start..end].into());
+                        let inline = Inline { path, begins, before, bytes };
                         self.shared.archives.insert(name, Arc::new(inline));
                         return Ok(());
                     }
                 }
                 Some(_) => {}
-            }
-        }
-    }
-
-    /// The byte where the next token starts.
-    fn peeked_start(&mut self) -> usize {
-        match self.arguments.peeked() {
-            // A peeked token is a word here, and ends where the lexer is.
-            Some((Token::Word(word), _)) => self.arguments.lexer.position() - word.len(),
-            _ => {
-                self.arguments.lexer.place();
-                self.arguments.lexer.position()
             }
         }
     }
@@ -462,7 +463,7 @@ impl<'a> Reader<'a> {
                 self.count_asked(program, place)?;
                 let answer = self.shared.programs.ask(&path, program, ri.detail(bound), request);
                 let answer = answer.map_err(|m| self.error(place, m))?;
-                self.nested(&path, 1, &answer, ri, on_directive)
+                self.nested(&path, FIRST, &answer, ri, on_directive)
             }
             ("DynamicLoad", _) => {
                 self.arguments.warn("DynamicLoad", "`DynamicLoad` runs code of other programs and is passed over");

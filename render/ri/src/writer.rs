@@ -217,9 +217,53 @@ mod tests {
             "t.rib:2:27: parameter `Kq` is not declared: write \"uniform float Kq\" or `Declare` it before; did you mean `Ka`?",
         ];
         assert_eq!(heard.0, expected);
-        assert_eq!(fault("Translate 1 2\nWorldEnd").0, 2);
         assert_eq!(fault("Color [1 2").2, "expected a number or `]`, found the end of the file");
         assert_eq!(fault("IfBegin \"1\" WorldBegin").2, "`IfBegin` without `IfEnd`");
         assert_eq!(fault("\n \"matte").2, "a string is not closed before the file ends");
+    }
+    #[test]
+    fn a_request_that_lacks_something_is_at_fault_itself() {
+        let fault = |text: &str| {
+            let mut writer = Writer::new(Vec::new()).unwrap();
+            let e = read(Path::new("t.rib"), text.as_bytes(), &Files::default(), &mut writer, &mut |_, _| Ok(()))
+                .unwrap_err();
+            (e.place.line, e.place.column, e.text)
+        };
+        let at = |text: &str| (fault(text).0, fault(text).1);
+        // What the next request or the end cuts short; a word of no request stands where it is.
+        assert_eq!(at("Translate 1 2\nWorldEnd"), (1, 1));
+        assert_eq!(at("Identity Translate 1 2 # of two numbers\n\nDisk 0 1 360"), (1, 10));
+        assert_eq!(at("Identity\n Surface \"matte\" \"Ka\"\nDisk 0 1 360"), (2, 2));
+        assert_eq!(at("Identity\n Surface \"matte\" \"Ka\""), (2, 2));
+        assert_eq!(at("Polygon \"P\" [0 0 0\nDisk 0 1 360"), (1, 1));
+        assert_eq!(at("Translate 1 2\nDsik 0 1 360"), (1, 1));
+        assert_eq!(at("Translate 1 nan 3\nDisk 0 1 360"), (1, 13));
+        assert_eq!(at("Translate 1 2 \"3\"\nDisk 0 1 360"), (1, 15));
+        assert_eq!(at("Translate 1 2..5 3\nDisk 0 1 360"), (1, 13));
+        assert_eq!(at("Polygon \"P\" [0 0 0 1..5]\nDisk 0 1 360"), (1, 20));
+        assert_eq!(at("Disk 0 1 360 \"matte\nDisk\n"), (1, 14));
+        // A parameter that is wrong, rather than the first of the request.
+        assert_eq!(at("Disk 0 1 360 \"Os\" [1 1 1] \"Cs\" [1 0]\nDisk 0 1 360"), (1, 27));
+        assert_eq!(at("Disk 0 1 360 \"uniform flot x\" [1]\nDisk 0 1 360"), (1, 14));
+        // Archives within the stream are read where they stand.
+        let line = "Identity ArchiveBegin \"a\" Sphere 1";
+        let text = format!("{line}\nDisk 0 1 ArchiveEnd\nReadArchive \"a\"");
+        assert_eq!(fault(&text), (1, 27, line.into()));
+        let text = "ArchiveBegin \"a\" Sphere 1 -1 1 360\n Disk 0 1 ArchiveEnd ReadArchive \"a\"";
+        assert_eq!(fault(text), (2, 2, " Disk 0 1 ".into()));
+        let inner = "Identity ArchiveBegin \"a\" Identity ArchiveBegin \"b\" Sphere 1 ";
+        let text = format!("{inner}ArchiveEnd ReadArchive \"b\" ArchiveEnd ReadArchive \"a\"");
+        assert_eq!(fault(&text), (1, 53, inner.into()));
+        let long = format!("{}Identity ArchiveBegin \"a\" Sphere 1 ArchiveEnd ReadArchive \"a\"", " ".repeat(700));
+        assert_eq!(fault(&long), (1, 727, " ".repeat(500)));
+        // A directive that comes first in one is in it.
+        let text = "ArchiveBegin \"a\"\n#scree said\nIdentity ArchiveEnd ReadArchive \"a\" ReadArchive \"a\"";
+        let (mut writer, mut said) = (Writer::new(Vec::new()).unwrap(), vec![]);
+        let mut hear = |_: &mut dyn Ri, text: &str| {
+            said.push(text.to_string());
+            Ok(())
+        };
+        read(Path::new("t.rib"), text.as_bytes(), &Files::default(), &mut writer, &mut hear).unwrap();
+        assert_eq!(said, ["said", "said"]);
     }
 }

@@ -207,7 +207,7 @@ impl Ri for Context {
         self.open_solid(operation)
     }
     fn solid_end(&mut self) -> RiResult {
-        self.pop_attributes().map_err(|_| Fail::new("SolidEnd without SolidBegin"))
+        self.close_solid()
     }
     fn motion_begin(&mut self, times: Vec<f32>) -> RiResult {
         self.open_motion_block(times)
@@ -285,11 +285,11 @@ impl Ri for Context {
             let [s, t] = wraps;
             return Err(Fail::new(format!("unknown wrap `{s}` `{t}`, expected black, clamp or periodic")));
         };
-        self.made.insert(to.into(), texture::Source::Image(from.into(), [s, t]));
+        self.make(to, texture::Source::Image(from.into(), [s, t]));
         Ok(())
     }
     fn make_lat_long_environment(&mut self, from: &str, to: &str, _: &str, _: [f32; 2], _: Params) -> RiResult {
-        self.made.insert(to.into(), texture::Source::LatLong(from.into()));
+        self.make(to, texture::Source::LatLong(from.into()));
         Ok(())
     }
     fn make_cube_face_environment(

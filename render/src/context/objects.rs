@@ -45,12 +45,14 @@ impl Context {
         self.attribute_stack.truncate(depths[0]);
         self.transform_stack.truncate(depths[1]);
         (self.attributes, (self.transform, self.moves), self.geometry) = outer;
+        self.open_solids.retain(|solid| solid.depth < depths[0]);
         self.objects.insert(handle, Arc::new(groups(parts, base)));
         if is_open { Err(Fail::new("ObjectEnd within a block that began in the object")) } else { Ok(()) }
     }
 
     /// Add a primitive to the object that is open.
     pub(super) fn add_part(&mut self, part: Part, moves: Keys, uniform: Uniform) -> RiResult {
+        self.n_given += 1;
         let attributes = if self.attributes.set.any() { Some(self.shared_attributes()) } else { None };
         let Some(object) = &mut self.open_object else { return Ok(()) };
         if object.parts.len() >= MAX_PARTS {

@@ -338,7 +338,24 @@ impl Context {
         let n = from.len();
         let faces: Result<[String; 6], _> = from.try_into();
         let faces = faces.map_err(|_| Fail::new(format!("{n} faces of a cube, expected 6")))?;
-        self.made.insert(to.into(), texture::Source::CubeFaces(faces.map(Into::into), fov));
+        self.make(to, texture::Source::CubeFaces(faces.map(Into::into), fov));
         Ok(())
+    }
+
+    /// Make a texture, whose images are looked for as the world begins: until then the search path may change.
+    pub(super) fn make(&mut self, name: &str, source: texture::Source) {
+        self.sought.push((name.into(), source.clone(), self.scene.warnings.spot()));
+        self.made.insert(name.into(), source);
+    }
+
+    /// Say which textures were made of files that there are not, whether or not they are used.
+    pub(super) fn say_missing_images(&mut self) {
+        for (name, source, spot) in self.sought.drain(..) {
+            if let Some(path) = source.missing(&self.files.folders) {
+                let path = path.display();
+                let message = format!("the texture `{name}` is black: there is no image `{path}` to make it of");
+                self.scene.warnings.add_at(spot, message);
+            }
+        }
     }
 }

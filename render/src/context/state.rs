@@ -4,6 +4,7 @@ use crate::context::copies::Copies;
 use crate::context::geometry::Geometry;
 use crate::context::motion_block::{Keys, MotionBlock, Moving, Place};
 use crate::context::open_object::{Group, OpenObject, Uniform};
+use crate::context::open_solid::OpenSolid;
 use crate::context::result::RenderResult;
 use crate::film::bucket::Shard;
 use crate::gprim::perspective::{is_projective, projected};
@@ -18,6 +19,7 @@ use crate::scene::source::{Part, Source, SourceShape, Wholes, duplicates, instan
 use crate::scene::variables::{VariableName, VariableNames};
 use crate::scene::world::Scene;
 use crate::texture;
+use crate::warnings::Spot;
 use glam::{Mat4, Vec3};
 use ri::files::Files;
 use ri::{Fail, Instances, RiResult};
@@ -57,6 +59,10 @@ pub struct Context {
     pub(super) geometry: Geometry,
     /// Count of the changes of attributes.
     pub(super) changes: u64,
+    /// Solids that are open, the outermost first.
+    pub(super) open_solids: Vec<OpenSolid>,
+    /// Count of the primitives that were given, to the scene and to objects.
+    pub(super) n_given: u64,
     /// Lights that were made, on or off, by their handles.
     pub(super) known_lights: Vec<(String, Arc<BoundShader>)>,
     /// Lights and spaces that were known before the world, in camera space.
@@ -65,6 +71,8 @@ pub struct Context {
     pub(super) declared: HashMap<String, Kind>,
     pub(super) motion: Option<MotionBlock>,
     pub(super) made: texture::Made,
+    /// What textures were made of since the last world began, by their names, and where: these files are still to be looked for.
+    pub(super) sought: Vec<(String, texture::Source, Option<Spot>)>,
     pub(super) scene: Scene,
     pub(super) copies: Copies,
     /// The attributes that the patches of one primitive have in common, and the whole that these are parts of.
@@ -322,6 +330,7 @@ impl Context {
         [shares_space, particles]: [bool; 2],
     ) -> RiResult {
         self.in_world("a primitive")?;
+        self.n_given += 1;
         let [from, until] = self.attributes.seen;
         if from >= until {
             return Ok(());

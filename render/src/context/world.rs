@@ -3,6 +3,7 @@
 use crate::context::copies::Copies;
 use crate::context::result::{DrawnBy, RenderResult};
 use crate::context::state::Context;
+use crate::cpu::rays::say_open;
 use crate::cpu::render::render;
 use crate::drawn::Drawn;
 use crate::film::filter::FilterKind;
@@ -52,6 +53,7 @@ impl Context {
         self.copies = Copies::default();
         self.tell_options();
         self.say_levels_of_depths();
+        self.say_missing_images();
         // Spaces that were set before are in camera space.
         self.scene.spaces.values_mut().for_each(|m| *m = to_camera.inverse() * *m);
         let camera = Camera::new(&self.options, to_camera, vec![]);
@@ -127,6 +129,7 @@ impl Context {
             return self.leave_world();
         }
         emitters::expand(&mut self.scene);
+        say_open(&self.scene);
         hide_twins(&mut self.scene);
         if self.options.hider == Hider::Null {
             let options = Options { displays: vec![], unsupported_display: true, ..self.options.clone() };
@@ -197,6 +200,7 @@ impl Context {
         self.objects.clear();
         // Blocks that are still open end here.
         (self.motion, self.open_object) = (None, None);
+        self.open_solids.clear();
         self.attribute_stack.truncate(self.outside[0] + 1);
         self.transform_stack.truncate(self.outside[1]);
         if let Some((attributes, place, geometry)) = self.attribute_stack.pop() {

@@ -36,6 +36,20 @@ const BESIDE: f32 = 1e-5;
 /// What rounding makes of places on two surfaces that touch, in parts of their coordinates.
 const ROUNDING: f32 = 4e-6;
 
+/// How near an edge of a triangle, in parts of it, the triangle beyond it may be met as well.
+const AT_EDGE: f32 = 1e-4;
+
+/// A surface in the way of a ray.
+#[derive(Clone, Copy)]
+pub struct Layer {
+    /// How far along it.
+    pub t: f32,
+    /// What.
+    pub item: Item,
+    /// Whether another facet of the surface may be met there, too: on an edge that they share.
+    pub at_edge: bool,
+}
+
 /// Where a ray meets something.
 pub struct Crossing {
     /// How far along it.
@@ -238,7 +252,7 @@ impl Bvh {
         length: f32,
         bias: [f32; 2],
         step: impl Fn(f32) -> f32,
-        out: &mut Vec<(f32, Item)>,
+        out: &mut Vec<Layer>,
     ) {
         if self.tree.is_empty() || !from.is_finite() || !dir.is_finite() {
             return;
@@ -246,12 +260,14 @@ impl Bvh {
         let way = [from, dir];
         self.tree.leaves(from, dir, length, |leaf, length| {
             for (item, occluder) in &self.occluders[leaf] {
+                if let Occluder::Triangle { corners, .. } = *occluder {
+                    let t = self.distance(*item == own, occluder, way, 0.0, bias).filter(|t| *t < length);
+                    out.extend(t.map(|t| Layer { t, item: *item, at_edge: is_at_edge(way, corners) }));
+                    continue;
+                }
                 let mut least = 0.0;
                 while let Some(t) = self.distance(*item == own, occluder, way, least, bias).filter(|t| *t < length) {
-                    out.push((t, *item));
-                    if matches!(occluder, Occluder::Triangle { .. }) {
-                        break;
-                    }
+                    out.push(Layer { t, item: *item, at_edge: true });
                     least = t + step(t);
                 }
             }
@@ -348,6 +364,12 @@ impl Bvh {
             }
         }
     }
+}
+
+/// Whether a ray meets a triangle so near an edge that it may meet the one beyond it as well.
+fn is_at_edge([from, dir]: [Vec3; 2], corners: [Vec3; 3]) -> bool {
+    let met = meet_triangle(&Sight::new(from, dir), corners, BESIDE);
+    met.is_none_or(|(_, [u, v])| u.min(v).min(1.0 - u - v) < AT_EDGE)
 }
 
 /// The edges of a triangle from its first corner.

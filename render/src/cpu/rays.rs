@@ -4,7 +4,7 @@
 //! it leaves first. A surface is one of the whole where the whole begins or ends with it. Which side of a surface is outside is
 //! found by how often a ray from it meets the primitive's surfaces, however the scene turns its normals.
 
-use crate::cpu::bvh::{Bvh, Crossing};
+use crate::cpu::bvh::{Bvh, Crossing, Layer};
 use crate::cpu::displaced::{Displace, Displaced, is_meshed};
 use crate::cpu::mesh::Spot;
 use crate::cpu::openness::Surroundings;
@@ -147,8 +147,8 @@ impl<'a> Rays<'a> {
         [open, displaced, solid].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// All surfaces along a direction within a length, nearest first; an edge of two facets of a primitive is met once. Of what is round,
-    /// the second is at least `step` of how far the first is from that.
+    /// All surfaces along a direction within a length, nearest first; an edge of two facets of a primitive is met once, and faces of it that
+    /// lie in one place are each. Of what is round, the second is at least `step` of how far the first is from that.
     #[allow(clippy::too_many_arguments)]
     pub fn layers(
         &self,
@@ -165,26 +165,32 @@ impl<'a> Rays<'a> {
         if let Some(displaced) = &self.displaced {
             let mut spots = vec![];
             displaced.spots(from, dir, &mut spots);
-            met.extend(spots.into_iter().map(|(item, spot)| (spot.t, item)));
+            met.extend(spots.into_iter().map(|(item, spot)| Layer { t: spot.t, item, at_edge: true }));
         }
         if let Some(hulls) = &self.solids {
             let casts = |item: Item| hulls.casts[item.source as usize];
-            hulls.surfaces(own, from, dir, bias, |t, item| met.extend(casts(item).then_some((t, item))));
+            let mut add = |t, item| met.extend(casts(item).then_some(Layer { t, item, at_edge: true }));
+            hulls.surfaces(own, from, dir, bias, &mut add);
         }
-        met.retain(|(t, _)| *t < length);
-        met.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1.source, a.1.index).cmp(&(b.1.source, b.1.index))));
-        met.retain(|(t, item)| !scene.leaves_particle(*item, from + dir * *t, dir));
+        met.retain(|layer| layer.t < length);
+        let order = |layer: &Layer| (layer.item.source, layer.item.index);
+        met.sort_by(|a, b| a.t.total_cmp(&b.t).then(order(a).cmp(&order(b))));
+        met.retain(|layer| !scene.leaves_particle(layer.item, from + dir * layer.t, dir));
         if met.len() > 1 {
-            let mut last: HashMap<u32, f32> = HashMap::new();
+            let mut last: HashMap<u32, Layer> = HashMap::new();
             let rounding = ROUNDING * from.abs().max_element();
-            met.retain(|(t, item)| {
-                let whole = scene.whole_of(*item);
-                let counts = last.get(&whole).is_none_or(|before| *t > *before + ROUNDING * before.abs() + rounding);
-                counts.then(|| last.insert(whole, *t));
+            met.retain(|layer| {
+                let whole = scene.whole_of(layer.item);
+                let is_next = |before: &Layer| {
+                    let is_behind = layer.t > before.t + ROUNDING * before.t.abs() + rounding;
+                    is_behind || !(layer.at_edge || before.at_edge)
+                };
+                let counts = last.get(&whole).is_none_or(is_next);
+                counts.then(|| last.insert(whole, *layer));
                 counts
             });
         }
-        met
+        met.into_iter().map(|layer| (layer.t, layer.item)).collect()
     }
 
     /// Whether there is anything along a direction, as [`Rays::nearest`] finds it.
@@ -267,15 +273,8 @@ impl<'a> Hulls<'a> {
 
     /// The facets of an item, as rays meet it; none of a whole sphere.
     fn facets(&self, scene: &Scene, item: Item) -> Vec<[Vec3; 3]> {
-        let (shape, to_world) = scene.place(item);
         let displaced = self.displaced.as_ref().and_then(|displaced| displaced.facets(item));
-        match (displaced, shape) {
-            (Some(facets), _) => facets,
-            (None, Shape::Patches(patches, _)) => {
-                patches.iter().flat_map(|p| facets_of(p, Cut::of(p), to_world)).collect()
-            }
-            (None, Shape::Sphere) => vec![],
-        }
+        displaced.unwrap_or_else(|| still_facets(scene, item))
     }
 
     /// Whether no light gets through an item that casts shadows.
@@ -338,6 +337,36 @@ impl<'a> Hulls<'a> {
             let surfaces = line.iter().zip(kept).filter(|(_, kept)| **kept).map(|(m, _)| &met[m.name as usize]);
             surfaces.for_each(|m| visit(m.t, m.item));
         });
+    }
+}
+
+/// Say which primitives that are solids by themselves do not enclose a volume, as they are before displacement.
+pub fn say_open(scene: &Scene) {
+    let open = scene.solids.lone.par_iter().map(|lone| {
+        let of = |s: u32| (0..scene.sources[s as usize].len()).map(move |i| Item { source: s, index: i as u32 });
+        let items: Vec<Item> = lone.sources.clone().flat_map(of).collect();
+        let bvh = Bvh::of(scene, items.iter().copied());
+        let facets: Vec<_> = items.iter().flat_map(|item| still_facets(scene, *item)).collect();
+        is_open(&facets, &|from, dir, bias| {
+            let mut met = vec![];
+            bvh.crossings(None, from, dir, [bias; 2], &mut met);
+            met.len()
+        })
+    });
+    let open: Vec<bool> = open.collect();
+    for (lone, _) in scene.solids.lone.iter().zip(open).filter(|(_, is_open)| *is_open) {
+        let message = "a `SolidBegin \"primitive\"` does not enclose a volume: its surfaces are drawn as they are";
+        scene.warnings.add_at(lone.spot, message.into());
+    }
+}
+
+/// The facets of an item before displacement, as rays meet it; none of a whole sphere.
+fn still_facets(scene: &Scene, item: Item) -> Vec<[Vec3; 3]> {
+    match scene.place(item) {
+        (Shape::Patches(patches, _), to_world) => {
+            patches.iter().flat_map(|p| facets_of(p, Cut::of(p), to_world)).collect()
+        }
+        (Shape::Sphere, _) => vec![],
     }
 }
 

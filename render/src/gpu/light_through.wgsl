@@ -16,6 +16,19 @@ struct Next {
 // What rounding makes of how far along a ray two facets are that share an edge, in parts of that and of where the ray begins.
 const ROUNDING: f32 = 1e-5;
 
+// How near an edge of a triangle, in parts of it, the triangle beyond it may be met as well.
+const AT_EDGE: f32 = 1e-4;
+
+// Whether another facet of a surface may be met where one is, too: on an edge that they share; so is all that is no triangle.
+fn is_at_edge(start: vec3<f32>, way: vec3<f32>, at: u32) -> bool {
+    let kind = world[at].x;
+    if kind != 2u && kind != 3u {
+        return true;
+    }
+    let met = meet_plane(start, way, world_row(at + 1u).xyz, world_row(at + 2u).xyz, world_row(at + 3u).xyz);
+    return any(met.parts < vec3<f32>(AT_EDGE * met.size));
+}
+
 // How far on from where a ray enters what is round it may leave that.
 fn step_of(t: f32, near: vec2<f32>) -> f32 {
     return max(near.x, 1e-5 * t);
@@ -69,7 +82,7 @@ fn light_along(start: vec3<f32>, lamp: vec3<f32>) -> vec3<f32> {
     let head = world[0];
     let rounding = ROUNDING * max(max(abs(start.x), abs(start.y)), abs(start.z));
     var open = vec3<f32>(1.0);
-    var late: array<vec2<u32>, 8>;
+    var late: array<vec3<u32>, 8>;
     var n_late = 0u;
     var last = Next(-1.0, 0u);
     for (var passed = 0u; passed < MOST; passed += 1u) {
@@ -81,15 +94,17 @@ fn light_along(start: vec3<f32>, lamp: vec3<f32>) -> vec3<f32> {
         let opacity = world_row(row).xyz;
         let whole = world[row].w;
         // An edge of two facets is met once.
+        let at_edge = is_at_edge(start, way, head.y + 4u * last.at);
         var counts = true;
         for (var k = 0u; k < min(n_late, LATE); k += 1u) {
             let before = bitcast<f32>(late[k].y);
-            counts = counts && !(late[k].x == whole && last.t <= before + ROUNDING * abs(before) + rounding);
+            let is_same = late[k].x == whole && last.t <= before + ROUNDING * abs(before) + rounding;
+            counts = counts && !(is_same && (at_edge || late[k].z != 0u));
         }
         if !counts {
             continue;
         }
-        late[n_late % LATE] = vec2<u32>(whole, bitcast<u32>(last.t));
+        late[n_late % LATE] = vec3<u32>(whole, bitcast<u32>(last.t), select(0u, 1u, at_edge));
         n_late += 1u;
         open *= clamp(1.0 - opacity, vec3<f32>(), vec3<f32>(1.0));
         if all(open < vec3<f32>(1e-3)) {

@@ -46,9 +46,18 @@ fn stops_ellipsoid(start: vec3<f32>, way: vec3<f32>, far: f32, x: vec4<f32>, y: 
 const BESIDE: f32 = 1e-5;
 const BESIDE_FLAT: f32 = 1e-6;
 
-// How far along a ray a triangle is met, given by its corners; -1 where it is not. Its corners are taken as they are seen along the ray, and on which
-// side of an edge that passes depends on the ends of the edge alone (Woop, Benthin and Wald 2013).
-fn meet_triangle(start: vec3<f32>, way: vec3<f32>, p: vec3<f32>, q: vec3<f32>, r: vec3<f32>, is_flat: bool) -> f32 {
+// A triangle as a ray meets its plane.
+struct Crossed {
+    // On which side of its edges the ray passes, in parts of `size`, twice its area across the ray.
+    parts: vec3<f32>,
+    size: f32,
+    // How far along the ray.
+    t: f32,
+}
+
+// How a ray meets the plane of a triangle, given by its corners: these are taken as they are seen along the ray, and on which side of an edge that passes
+// depends on the ends of the edge alone (Woop, Benthin and Wald 2013).
+fn meet_plane(start: vec3<f32>, way: vec3<f32>, p: vec3<f32>, q: vec3<f32>, r: vec3<f32>) -> Crossed {
     // Two directions across the ray (Duff et al. 2017).
     let side = select(1.0, -1.0, way.z < 0.0);
     let s = -1.0 / (side + way.z);
@@ -62,10 +71,15 @@ fn meet_triangle(start: vec3<f32>, way: vec3<f32>, p: vec3<f32>, q: vec3<f32>, r
     let area = parts.x + parts.y + parts.z;
     let size = abs(area);
     let turned = select(parts, -parts, area < 0.0);
-    let least = -select(BESIDE, BESIDE_FLAT, is_flat) * size;
     let w = turned / select(1.0, size, size > 0.0);
-    let z = a.z + w.y * (b.z - a.z) + w.z * (c.z - a.z);
-    return select(-1.0, z, size > 0.0 && all(turned >= vec3<f32>(least)));
+    return Crossed(turned, size, a.z + w.y * (b.z - a.z) + w.z * (c.z - a.z));
+}
+
+// How far along a ray a triangle is met; -1 where it is not.
+fn meet_triangle(start: vec3<f32>, way: vec3<f32>, p: vec3<f32>, q: vec3<f32>, r: vec3<f32>, is_flat: bool) -> f32 {
+    let met = meet_plane(start, way, p, q, r);
+    let least = -select(BESIDE, BESIDE_FLAT, is_flat) * met.size;
+    return select(-1.0, met.t, met.size > 0.0 && all(met.parts >= vec3<f32>(least)));
 }
 
 // A facet of a curved surface stands off it: its own neighbourhood is not in its shadow. 0 of what is flat.

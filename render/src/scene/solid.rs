@@ -1,6 +1,8 @@
 //! Solids (RISpec 5.9): primitives that bound a volume, and volumes made of others by union, intersection and difference.
 
+use crate::warnings::Spot;
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// What a solid is of its parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +28,16 @@ impl Operation {
             _ => return None,
         })
     }
+
+    /// Its name in `SolidBegin`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Operation::Primitive => "primitive",
+            Operation::Union => "union",
+            Operation::Intersection => "intersection",
+            Operation::Difference => "difference",
+        }
+    }
 }
 
 /// A solid, and what it is a part of.
@@ -44,6 +56,17 @@ struct Node {
 #[derive(Clone, Debug, Default)]
 pub struct Solids {
     nodes: Vec<Node>,
+    /// Primitives that are no parts of solids, which are drawn as they are.
+    pub lone: Vec<Lone>,
+}
+
+/// A primitive that is a solid by itself.
+#[derive(Clone, Debug)]
+pub struct Lone {
+    /// Its sources in the scene.
+    pub sources: Range<u32>,
+    /// Where it begins.
+    pub spot: Option<Spot>,
 }
 
 impl Solids {

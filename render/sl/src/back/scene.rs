@@ -175,6 +175,15 @@ pub(super) fn unknown_option(map: &str, key: &str) -> String {
     format!("a lookup in the map `{map}` has the unknown option `{key}`, expected {known}")
 }
 
+/// What is said of a question that has no answer: that the texture cannot be read whose properties it asks for. Whether there is one may be
+/// asked of any.
+pub(super) fn asked_in_vain(what: Ask, names: &[&str], scene: &dyn Scene) -> Option<String> {
+    match (what, names) {
+        (Ask::TextureInfo, [texture, _]) => scene.map_fault(Lookup::Texture, texture, false),
+        _ => None,
+    }
+}
+
 /// What is said of the first of two spaces that a scene does not know.
 pub(super) fn unknown_space(scene: &dyn Scene, spaces: [&str; 2]) -> Option<String> {
     let unknown = spaces.into_iter().find(|space| scene.matrix(space, space).is_none())?;

@@ -38,6 +38,7 @@ fn places(program: &Program, sources: &Sources) -> Vec<(u32, String)> {
         | ir::Op::TextStore(.., at)
         | ir::Op::ColorSpace(.., at)
         | ir::Op::Transform(.., at)
+        | ir::Op::Ask { what: ir::Ask::TextureInfo, place: at, .. }
         | ir::Op::Map { place: at, .. }
         | ir::Op::Format(.., at) => found.push(*at),
         _ => {}

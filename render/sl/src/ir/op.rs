@@ -126,6 +126,8 @@ pub enum Op {
         out: Operand,
         /// Count of elements of the array; 1 for a single value.
         len: u16,
+        /// Byte of the source.
+        place: u32,
     },
     /// Look up a map.
     Map {

@@ -69,7 +69,7 @@ fn one(f: &mut Formatter<'_>, op: &Op, depth: usize) -> Result {
         Op::Match(r, a, b) => writeln!(f, "{r} = match {a} {b}"),
         Op::Format(t, args, _) => writeln!(f, "{t} = format{}", list(args)),
         Op::Print(args) => writeln!(f, "print{}", list(args)),
-        Op::Ask { dst, what, names, out, len } => {
+        Op::Ask { dst, what, names, out, len, .. } => {
             let names: String = names.iter().map(|t| format!(" {t}")).collect();
             let len = if *len > 1 { format!("[{len}]") } else { String::new() };
             writeln!(f, "{dst} = ask {}{names} -> {out}{len}", name(what))

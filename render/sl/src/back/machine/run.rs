@@ -297,7 +297,7 @@ impl Machine {
                     scene.print(&self.format(args, k));
                 }
             }
-            Op::Ask { dst, what, names, out, len } => self.ask(*dst, *what, names, *out, *len, scene),
+            Op::Ask { dst, what, names, out, len, place } => self.ask(*dst, *what, names, (*out, *len), *place, scene),
             Op::Map { .. } => self.map(op, scene),
             Op::Transform(how, dst, a, from, to, place) => {
                 self.transform(*how, (*dst, *a), [*from, *to], *place, scene)

@@ -1,7 +1,7 @@
 //! Strings: formats, and what the scene is asked by name.
 
 use super::super::bound::Answer;
-use super::super::scene::Scene;
+use super::super::scene::{Scene, asked_in_vain};
 use super::state::Machine;
 use crate::ir::*;
 use crate::shadeop::runs::{at, run_of};
@@ -23,14 +23,13 @@ impl Machine {
         crate::shadeop::format::format(&values)
     }
 
-    #[allow(clippy::too_many_arguments)]
     pub(super) fn ask(
         &mut self,
         dst: FloatReg,
         what: Ask,
         names: &[TextReg],
-        out: Operand,
-        len: u16,
+        (out, len): (Operand, u16),
+        place: u32,
         scene: &dyn Scene,
     ) {
         let names: Vec<&str> = names.iter().map(|r| self.texts[r.index()].as_str()).collect();
@@ -53,6 +52,7 @@ impl Machine {
                 told.map(|told| Answer::Numbers(told.values.clone())).or_else(|| scene.ask(what, &names))
             }
         };
+        let fault = if answer.is_none() { asked_in_vain(what, &names, scene) } else { None };
         let mut found = 0.0;
         match (answer, out) {
             (Some(Answer::Text(text)), Operand::Text(r)) => {
@@ -73,5 +73,6 @@ impl Machine {
             _ => {}
         }
         self.regs[dst.index()] = vec![found];
+        fault.into_iter().for_each(|message| self.refuse(place, message));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::super::bound::{Answer, BoundShader};
 use super::super::points::Points;
-use super::super::scene::{Scene, unknown_space, unset};
+use super::super::scene::{Scene, asked_in_vain, unknown_space, unset};
 use super::super::slots::VariableSlots;
 use super::kernel::{Kernel, Shader, Target};
 use super::module::{Refused, Slot};
@@ -272,7 +272,13 @@ impl<'k> Batch<'k> {
             Slot::Map { how, name } => (vec![scene.map_number(*how, name) as f32], 1),
             Slot::Answer { what, names, width, len } => {
                 let names: Vec<&str> = names.iter().map(String::as_str).collect();
-                let Some(values) = numbers(*what, &names, points, scene) else { return NONE };
+                let Some(values) = numbers(*what, &names, points, scene) else {
+                    if let Some(message) = asked_in_vain(*what, &names, scene) {
+                        let Program { file, name, .. } = &*bound.program;
+                        scene.warn(format!("{file}: the shader `{name}`: {message}"));
+                    }
+                    return NONE;
+                };
                 // One value is that of all, also where a light is given one point for all.
                 let varying = values.len() == width * points.n() && *len == 1 && points.n() > 1;
                 if !varying && values.len() < width * len {

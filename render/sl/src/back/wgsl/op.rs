@@ -1,6 +1,7 @@
 //! Operations as statements.
 
 use super::super::bound::Answer;
+use super::super::scene::asked_in_vain;
 use super::module::{Refused, Slot};
 use super::registers::{literal, type_of};
 use super::texts;
@@ -38,7 +39,7 @@ impl Writer<'_, '_> {
             Op::ColorSpace(dst, a, from, to, _) => self.color_space(*dst, *a, *from, *to),
             Op::Spline(dst, basis, args) => self.spline(*dst, *basis, args),
             Op::Print(_) => self.refuse("prints"),
-            Op::Ask { dst, what, names, out, len } => self.ask(*dst, *what, names, *out, *len),
+            Op::Ask { dst, what, names, out, len, .. } => self.ask(*dst, *what, names, *out, *len),
             Op::Map { .. } => self.map(op),
             Op::Call(f, dst, args) => self.call(*f, *dst, args),
             Op::Transform(how, dst, a, from, to, _) => self.transform(*how, *dst, *a, *from, *to),
@@ -223,6 +224,9 @@ impl Writer<'_, '_> {
                 let of: Vec<&str> = names.iter().map(String::as_str).collect();
                 let answer = texts::ask(what, &of, self.module.host.scene);
                 let found = matches!(answer, Some(Answer::Text(_)));
+                if let Some(message) = asked_in_vain(what, &of, self.module.host.scene).filter(|_| answer.is_none()) {
+                    self.module.host.scene.warn(message);
+                }
                 self.module.asked.push((what, names, answer));
                 self.set(dst.into(), literal(found as u8 as f32))
             }

@@ -101,6 +101,7 @@ impl Lower<'_> {
                     names,
                     out: name.operand(),
                     len: 1,
+                    place: at as u32,
                 })?;
                 Ok(name)
             }

@@ -54,7 +54,7 @@ impl<'a> Lower<'a> {
         };
         let var = self.variable(args[n_names].at, variable)?;
         let (out, len) = (var.operand(), var.array.max(1));
-        self.temp(at, Ty::Float, false, |r| Op::Ask { dst: r.float(), what: ask, names, out, len })
+        self.temp(at, Ty::Float, false, |r| Op::Ask { dst: r.float(), what: ask, names, out, len, place: at as u32 })
     }
 
     /// Whether an expression names an array.
