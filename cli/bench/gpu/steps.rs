@@ -72,7 +72,7 @@ fn of_method(
     Ok(json!({
         "workload": workload, "n": n, "method": method.name(), "iterations": last.iterations, "contacts": last.contacts,
         "seconds_per_step": seconds, "stage_ms": stages, "worst_penetration_over_r": last.worst_penetration / radius,
-        "max_position_difference_m": off, "longest_submission_seconds": own.longest_submission(),
+        "max_position_difference_m": off, "longest_submission_seconds": own.device_usage().map(|usage| usage.longest_submission),
     }))
 }
 
