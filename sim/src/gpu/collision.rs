@@ -99,7 +99,7 @@ impl Collision {
             contact_write: ContactWrite::new(device, kernels, layout)?,
             pairs: Pairs::new(device, n, room)?,
             tiles: None,
-            contacts: Contacts::new(device, kernels, room)?,
+            contacts: Contacts::new(device, kernels, [room; 2])?,
             found: Found { pairs: 0, contacts: 0 },
             spheres,
         };
@@ -158,9 +158,10 @@ impl Collision {
         let rooms = [room.max(self.pairs.pairs.capacity()), of_contacts.max(self.contacts.contact.capacity())];
         self.pairs = Pairs::new(device, self.spheres.n, rooms[0])?;
         match &mut self.manifolds {
-            None => self.contacts = Contacts::new(device, kernels, rooms[0])?,
+            None => self.contacts = Contacts::new(device, kernels, rooms)?,
             Some(manifolds) => {
-                self.contacts = Contacts::new(device, kernels, rooms[1])?;
+                // Their pairs are in lists of the families.
+                self.contacts = Contacts::new(device, kernels, [rooms[1]; 2])?;
                 *manifolds =
                     Manifolds::new(device, kernels, self.bodies.layout, (&self.spheres, &self.fixtures), rooms)?;
             }
