@@ -22,6 +22,8 @@ use std::path::Path;
 /// Simulate a model, and show the progress.
 pub fn simulate(job: ModelRun) -> Outcome {
     let ModelRun { file, resolved, folder, span, computer } = job;
+    let place = |e| failure(e, &folder);
+    computer.check(&file).map_err(place)?;
     for warning in &resolved.warnings {
         eprintln!("warning: {warning}");
     }
@@ -46,7 +48,12 @@ pub fn simulate(job: ModelRun) -> Outcome {
     let mut console = Console { progress: None, interruption: Listener::new(), up };
     guard::memory::doing("simulating into", &folder);
     let done = machine::with_all_memory(|| run::simulate(&file, resolved, &folder, (&span, &computer), &mut console));
-    done.map_err(|e| match e {
+    done.map_err(place)
+}
+
+/// The error that ends a run into a folder, for the user.
+fn failure(error: RunError, folder: &Path) -> Failure {
+    match error {
         RunError::Fault(fault) => fault.into(),
         RunError::Diverged(why) => Failure::new(Exit::Data, why),
         RunError::Unsupported(why) => {
@@ -54,11 +61,15 @@ pub fn simulate(job: ModelRun) -> Outcome {
         }
         RunError::Adapter(why) => Failure::new(Exit::Usage, format!("--adapter: {why}")),
         RunError::Device(why) => Failure::new(Exit::Fault, format!("--backend gpu: {why}")),
+        RunError::NoDevice(why) => Failure::new(
+            Exit::Usage,
+            format!("{why}\n  = --backend gpu or auto takes an adapter; without it leave `gpu_from` out"),
+        ),
         RunError::Interrupted(time) => Failure::new(
             Exit::Interrupted,
             format!("interrupted at {time:.6} s; {} has a checkpoint: continue with --resume", folder.display()),
         ),
-    })
+    }
 }
 
 /// The step and the solver of a model, for a message.

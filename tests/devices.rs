@@ -83,6 +83,48 @@ fn adapters_are_chosen_for_devices_alone() {
     says(1, &environment, &gpu, "install the Vulkan driver");
 }
 
+/// Stages from one on, by the command line or by the model: on an adapter the same run but for its last bits, and refused by name without one.
+#[test]
+fn stages_are_run_on_a_device_from_one_on() {
+    let folder = scratch();
+    let path = model(folder.path(), |text| text);
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let run = |name: &str, more: &[&str]| scree(&[&["simulate", &path, "-o", &at(name)], more].concat());
+    let said = run("no", &["--gpu-from", "contact_solv"]).fails(2);
+    assert!(said.contains("'contact_solve'") && said.contains("similar"), "{said}");
+    let said = run("no", &["--set", "gpu_from=contact_solv"]).fails(3);
+    assert!(said.contains("gpu_from") && said.contains("did you mean `contact_solve`?"), "{said}");
+    for more in [["--gpu-from", "force"], ["--set", "gpu_from=force"]] {
+        let said = run("no", &[&more[..], &["--backend", "cpu"]].concat()).fails(2);
+        assert!(said.contains("`gpu_from: force`") && said.contains("--backend gpu"), "{said}");
+    }
+    assert!(!folder.path().join("no").exists());
+    if !has_adapter() {
+        return;
+    }
+    let gpu = ["--backend", "gpu", "--adapter", "0"];
+    run("whole", &["--until", "0.02", "--backend", "cpu"]).ok();
+    for stage in ["pair_write", "contact_solve"] {
+        run(stage, &[&gpu[..], &["--until", "0.02", "--gpu-from", stage]].concat()).ok();
+        let text = |file: &str| fs::read_to_string(folder.path().join(stage).join(file)).unwrap();
+        assert!(text("model.yaml").contains(&format!("gpu_from: {stage}")) && text("run.json").contains("\"gpu\""));
+        let frame = |run: &str| {
+            let run = frame::run::RunReader::open(&folder.path().join(run)).unwrap();
+            let table = run.read_frame(1).unwrap();
+            let values = |name: &str| {
+                let column = table.column(name).unwrap();
+                (0..table.rows()).map(|row| column.number(row).unwrap()).collect::<Vec<f64>>()
+            };
+            ["pos_x", "pos_y", "pos_z"].map(values)
+        };
+        let (a, b) = (frame("whole"), frame(stage));
+        let off = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off > 0.0 && off < 1e-4, "from {stage}: {off} m");
+    }
+    // It goes on with all stages on the processor: the model is the same.
+    run("pair_write", &["--until", "0.03", "--resume"]).ok();
+}
+
 /// A large model without an adapter of hardware, or with one that cannot simulate it, is the processor's, which is said once; a small one is
 /// without a word.
 #[test]

@@ -2,6 +2,7 @@
 
 use super::image::{ImageArgs, RedrawArgs};
 use super::value::{Assignment, Backend, assignment, index, positive, whole};
+use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -88,6 +89,10 @@ pub struct SimulateArgs {
     /// part of its name [default: the first that is no software adapter].
     #[arg(long, value_name = "TEXT")]
     pub adapter: Option<String>,
+    /// First stage of the step that the graphics adapter runs; those before it
+    /// are the processor's, to tell in which of them a fault is.
+    #[arg(long, value_name = "STAGE", value_parser = PossibleValuesParser::new(sim::stages::Stage::ALL.map(|stage| stage.name())))]
+    pub gpu_from: Option<String>,
     /// Write frames as CSV instead of Arrow files.
     #[arg(long)]
     pub csv: bool,

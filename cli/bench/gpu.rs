@@ -1,5 +1,5 @@
 //! `scree bench gpu`: copy bandwidth, primitives, collision stages and solvers of a graphics adapter, held against the copy bandwidth and
-//! the processor, and whole steps of spheres and of mixed convex shapes.
+//! the processor, and whole steps of spheres, of mixed convex shapes and of the tracked vehicle on a bed.
 
 mod steps;
 
@@ -18,12 +18,17 @@ use sim::gpu::contact_solve::ContactSolve;
 use sim::workload::{self, Workload};
 use sim::{Method, ShapeKind, Simulation, SolverSettings, SplitMix64};
 use std::collections::HashMap;
+use std::time::{Duration, Instant};
+use steps::Steps;
 
 /// Times that are measured, of which the median counts.
 const REPEATS: usize = 5;
 
 /// Iterations of a solve.
 const ITERATIONS: u32 = 50;
+
+/// Time after which no more steps are measured: all of it, with the row that has begun, is over in eight minutes.
+const TIME: Duration = Duration::from_secs(390);
 
 /// The stage whose time counts.
 const STAGE: &str = "measured";
@@ -56,6 +61,7 @@ pub fn measure(job: &GpuBench) -> Outcome<Value> {
 }
 
 fn run(job: &GpuBench) -> Result<Value, Fault> {
+    let started = Instant::now();
     let device = Device::open(&job.adapter)?;
     let kernels = Kernels::default();
     let copied = if job.small { 1 << 21 } else { 1 << 26 };
@@ -70,16 +76,39 @@ fn run(job: &GpuBench) -> Result<Value, Fault> {
     }
     let beds: &[usize] = if job.small { &[1_000, 10_000] } else { &[84_000, 1_000_000] };
     let collision: Vec<Value> = beds.iter().map(|n| detection(&bench, *n)).collect::<Result<_, _>>()?;
-    let whole = beds.iter().map(|n| steps::measure(&job.adapter, *n)).collect::<Result<Vec<_>, _>>()?;
-    let convex = steps::measure_mixed(&job.adapter, if job.small { 1_000 } else { 100_000 })?;
-    let steps = [whole.concat(), convex].concat();
     let adapter = &bench.device.adapter;
+    let measure = Steps {
+        adapter: &job.adapter,
+        most_bytes: adapter.max_buffer.min(adapter.max_binding),
+        bandwidth,
+        until: started + TIME,
+        seconds: if job.small { 3.0 } else { 10.0 },
+    };
+    let steps = steps(&measure, job.small)?;
     Ok(json!({
         "adapter": adapter.name, "driver": adapter.driver, "is_software": adapter.software,
         "timer": if adapter.features.contains(&"timestamps") { "timestamps" } else { "wall" },
         "copy_bytes_per_second": bandwidth,
         "primitives": primitives, "collision": collision, "steps": steps,
     }))
+}
+
+/// The rows of whole steps. Small ones, which the processor takes, too, come first, and the largest last.
+fn steps(measure: &Steps, is_small: bool) -> Result<Vec<Value>, Fault> {
+    let mut rows =
+        [measure.spheres(1_000)?, measure.anchor(1_000)?, measure.mixed(1_000)?, measure.vehicle(1_000)?].concat();
+    if is_small {
+        rows.extend(measure.spheres(10_000)?);
+        return Ok(rows);
+    }
+    rows.extend(measure.spheres(84_000)?);
+    rows.extend(measure.anchor(10_000)?);
+    rows.extend(measure.mixed(100_000)?);
+    rows.extend(measure.vehicle(100_000)?);
+    let large = measure.spheres(1_000_000)?;
+    let huge = measure.ten_times(&large[large.len() - 1])?;
+    rows.extend([large, huge].concat());
+    Ok(rows)
 }
 
 impl Bench {
@@ -246,7 +275,7 @@ fn detection(bench: &Bench, n: usize) -> Result<Value, Fault> {
             if is_new {
                 collision.find_all(device);
             }
-            let started = std::time::Instant::now();
+            let started = Instant::now();
             let stages = collision.stage_seconds(device, &simulation.model)?.unwrap_or_default();
             let timed: f64 = stages.iter().map(|(_, seconds)| seconds).sum();
             let wall = started.elapsed().as_secs_f64();

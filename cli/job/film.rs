@@ -179,6 +179,7 @@ pub fn combination(simulation: &Simulation, home: &Path, index: usize) -> Outcom
         sweep_index: Some(index),
         plan: false,
         backend: Backend::Auto,
+        gpu_from: None,
         adapter: None,
         csv: false,
         preview: false,

@@ -47,6 +47,9 @@ impl SimulateJob {
             let value = Quality::from(quality).name().into();
             set.insert(0, Replacement { path: "quality".into(), value, written: None });
         }
+        if let Some(stage) = &args.gpu_from {
+            set.push(Replacement { path: "gpu_from".into(), value: stage.clone(), written: None });
+        }
         let (mut file, doc) = model_file::load(&args.model, &set)?;
         if args.csv {
             file.format = FrameFormat::Csv;

@@ -11,6 +11,9 @@ use std::time::Instant;
 /// The most workgroups in one dimension of a dispatch; longer ones go on in the second.
 const MAX_GROUPS: u32 = 65_535;
 
+/// The most bytes that a command copies or clears: longer runs are several commands, so that none keeps a device for long.
+const MOST_BYTES: u64 = 1 << 24;
+
 /// The most spans that are timed, by the limit of a query set.
 const MAX_TIMED: usize = wgpu::QUERY_SET_MAX_QUERIES as usize / 2;
 
@@ -28,8 +31,8 @@ pub enum Work<'a> {
 enum Command {
     Dispatch { pipeline: wgpu::ComputePipeline, group: wgpu::BindGroup, x: u32, y: u32 },
     Indirect { pipeline: wgpu::ComputePipeline, group: wgpu::BindGroup, args: wgpu::Buffer, offset: u64 },
-    Copy { from: wgpu::Buffer, to: wgpu::Buffer, bytes: u64 },
-    Clear { buffer: wgpu::Buffer },
+    Copy { from: wgpu::Buffer, to: wgpu::Buffer, first: u64, bytes: u64 },
+    Clear { buffer: wgpu::Buffer, first: u64, bytes: u64 },
 }
 
 /// The commands of a stage.
@@ -120,14 +123,16 @@ impl Commands {
     pub fn copy<T: Pod>(&mut self, from: &Buffer<T>, to: &Buffer<T>, n: usize) {
         assert!(n <= from.capacity() && n <= to.capacity());
         let bytes = ((n * size_of::<T>()) as u64).next_multiple_of(4);
-        if bytes > 0 {
-            self.push(Command::Copy { from: from.raw.clone(), to: to.raw.clone(), bytes });
+        for (first, bytes) in pieces(bytes) {
+            self.push(Command::Copy { from: from.raw.clone(), to: to.raw.clone(), first, bytes });
         }
     }
 
     /// Make all rows of a buffer zero.
     pub fn clear<T: Pod>(&mut self, buffer: &Buffer<T>) {
-        self.push(Command::Clear { buffer: buffer.raw.clone() });
+        for (first, bytes) in pieces(buffer.raw.size()) {
+            self.push(Command::Clear { buffer: buffer.raw.clone(), first, bytes });
+        }
     }
 
     /// Submit all commands, which stay as they are and can be submitted again.
@@ -191,6 +196,11 @@ impl Commands {
         let units: Vec<Unit> = self.stages.iter().map(|stage| Unit::whole(stage.key())).collect();
         device.pace().observe(&units, seconds);
     }
+}
+
+/// Runs of bytes, of [`MOST_BYTES`] at most, that make up so many: the first byte of each, and its length.
+fn pieces(bytes: u64) -> impl Iterator<Item = (u64, u64)> {
+    (0..bytes.div_ceil(MOST_BYTES)).map(move |k| (k * MOST_BYTES, MOST_BYTES.min(bytes - k * MOST_BYTES)))
 }
 
 impl Stage {
@@ -270,8 +280,8 @@ fn run_in_pass(pass: &mut wgpu::ComputePass, command: &Command) {
 
 fn transfer(encoder: &mut wgpu::CommandEncoder, command: &Command) {
     match command {
-        Command::Copy { from, to, bytes } => encoder.copy_buffer_to_buffer(from, 0, to, 0, *bytes),
-        Command::Clear { buffer } => encoder.clear_buffer(buffer, 0, None),
+        Command::Copy { from, to, first, bytes } => encoder.copy_buffer_to_buffer(from, *first, to, *first, *bytes),
+        Command::Clear { buffer, first, bytes } => encoder.clear_buffer(buffer, *first, Some(*bytes)),
         Command::Dispatch { .. } | Command::Indirect { .. } => {}
     }
 }

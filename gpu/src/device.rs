@@ -32,12 +32,18 @@ pub struct Device {
 pub(crate) struct Memory {
     taken: AtomicU64,
     most: AtomicU64,
+    largest: AtomicU64,
     limit: AtomicU64,
 }
 
 impl Default for Memory {
     fn default() -> Memory {
-        Memory { taken: AtomicU64::new(0), most: AtomicU64::new(0), limit: AtomicU64::new(u64::MAX) }
+        Memory {
+            taken: AtomicU64::new(0),
+            most: AtomicU64::new(0),
+            largest: AtomicU64::new(0),
+            limit: AtomicU64::new(u64::MAX),
+        }
     }
 }
 
@@ -58,6 +64,7 @@ impl Memory {
             return Err(limit);
         }
         self.most.fetch_max(now, Ordering::Relaxed);
+        self.largest.fetch_max(bytes, Ordering::Relaxed);
         Ok(taken)
     }
 }
@@ -101,6 +108,11 @@ impl Device {
     /// The most bytes that buffers have taken together.
     pub fn most_memory(&self) -> u64 {
         self.memory.most.load(Ordering::Relaxed)
+    }
+
+    /// Bytes of the largest buffer that there has been.
+    pub fn largest_buffer(&self) -> u64 {
+        self.memory.largest.load(Ordering::Relaxed)
     }
 
     /// Let buffers take no more bytes together than these.

@@ -92,7 +92,43 @@ fn compile(device: &Device, name: &'static str, text: &str) -> Result<Kernel, Gp
         },
         |error| fault(error.to_string()),
     )?;
-    Ok(Kernel { name, pipeline, slots: slots.into() })
+    let kernel = Kernel { name, pipeline, slots: slots.into() };
+    if device.adapter.software {
+        dispatch_nothing(device, &kernel);
+    }
+    Ok(kernel)
+}
+
+/// Dispatch a kernel with no workgroups. The drivers of software adapters compile a kernel when it is first dispatched, for seconds: the first
+/// commands of a step are not to wait for it, and their times are to be theirs alone.
+fn dispatch_nothing(device: &Device, kernel: &Kernel) {
+    /// Bytes that hold a row of any buffer.
+    const ROW: u64 = 4096;
+    let rows = |_: &Slot| {
+        device.raw.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("nothing"),
+            size: ROW,
+            usage: wgpu::BufferUsages::STORAGE,
+            mapped_at_creation: false,
+        })
+    };
+    let rows: Vec<wgpu::Buffer> = kernel.slots.iter().map(rows).collect();
+    let entries: Vec<wgpu::BindGroupEntry> = (0..)
+        .zip(&rows)
+        .map(|(binding, rows)| wgpu::BindGroupEntry { binding, resource: rows.as_entire_binding() })
+        .collect();
+    let group = device.raw.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some(kernel.name),
+        layout: &kernel.pipeline.get_bind_group_layout(0),
+        entries: &entries,
+    });
+    let mut encoder = device.raw.create_command_encoder(&Default::default());
+    let mut pass = encoder.begin_compute_pass(&Default::default());
+    pass.set_pipeline(&kernel.pipeline);
+    pass.set_bind_group(0, &group, &[]);
+    pass.dispatch_workgroups(0, 0, 0);
+    drop(pass);
+    device.queue.submit([encoder.finish()]);
 }
 
 fn layout(device: &Device, name: &str, slots: &[Slot]) -> wgpu::PipelineLayout {

@@ -209,6 +209,25 @@ fn what_keeps_a_device_long_is_cut_into_submissions() {
     }
 }
 
+/// Runs of more bytes than one command takes, whose last piece is shorter.
+#[test]
+fn long_copies_and_clears_are_whole() {
+    for Bench { device, .. } in benches().take(1) {
+        let rows: Vec<u32> = (1..9_000_008).collect();
+        let (from, to) = (Buffer::of(device, "from", &rows).unwrap(), Buffer::of(device, "to", &rows).unwrap());
+        let mut commands = Commands::new();
+        commands.stage("clear, copy");
+        commands.clear(&to);
+        commands.copy(&from, &to, rows.len() - 3);
+        commands.clear(&from);
+        assert!(commands.submit(device).unwrap().n_submissions() > 3, "each of the pieces is a command");
+        let end = rows.len() - 3;
+        let found = to.read(device, rows.len()).unwrap();
+        assert!(found[..end] == rows[..end] && found[end..] == [0; 3]);
+        assert!(from.read(device, rows.len()).unwrap().iter().all(|x| *x == 0));
+    }
+}
+
 #[test]
 fn a_dispatch_takes_its_workgroups_from_the_device() {
     for Bench { device, kernels } in benches() {

@@ -13,6 +13,7 @@ mod contact_solve;
 mod contact_write;
 mod force;
 mod geometric_stiffness;
+pub(crate) mod given;
 pub(crate) mod impacts;
 mod integrate;
 mod joint_write;

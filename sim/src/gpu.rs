@@ -9,6 +9,7 @@
 
 mod apgd;
 mod barzilai_borwein;
+mod before;
 mod bin_emit;
 mod bin_start;
 mod bodies;
@@ -22,6 +23,7 @@ pub mod fixed;
 pub mod fixtures;
 mod force;
 mod gauss_seidel;
+mod given;
 mod hulls;
 mod impacts;
 mod integrate;
@@ -61,6 +63,7 @@ use crate::stages::Stage;
 use crate::state::State;
 use crate::twist::Twist;
 use crate::{sleep, watch};
+use before::Before;
 use collision::Collision;
 use contact_solve::{ContactSolve, Submissions};
 use exact::Rounds;
@@ -101,6 +104,8 @@ pub struct Gpu {
     has_found: bool,
     /// Whether Gauss–Seidel has taken over the last step from the method, so that this one is begun for it.
     is_landing: bool,
+    /// What the processor has found of a step, where it runs the first stages.
+    before: Before,
 }
 
 /// The recorded commands of a step.
@@ -136,6 +141,21 @@ enum Submitted {
     Woken,
 }
 
+/// What a device has been used for.
+#[derive(Clone, Copy, Debug)]
+pub struct Usage {
+    /// The longest time that a submission of commands has kept it, s.
+    pub longest_submission: f64,
+    /// The most bytes that buffers have taken together.
+    pub most_bytes: u64,
+    /// Bytes of the largest buffer.
+    pub largest_buffer: u64,
+    /// Bytes of a contact and sweep from memory, by the method of the model.
+    pub bytes_per_contact_sweep: f64,
+    /// Sweeps of an iteration.
+    pub sweeps: u32,
+}
+
 /// What a step has done.
 pub struct Stepped {
     /// The outcome.
@@ -147,19 +167,19 @@ pub struct Stepped {
 }
 
 impl Gpu {
-    /// A back end on a device for a model, from a state whose watch has begun.
+    /// A back end on a device for a model, from a state whose watch has begun, that has the stages from `from` on.
     ///
     /// # Errors
     /// [`Fault::Unsupported`] for a model that needs what no kernel is built for, [`Fault::Position`], [`Fault::Gpu`].
-    pub fn new(device: Device, model: &Model, state: &State, plan: &StepPlan) -> Result<Gpu, Fault> {
-        Gpu::with((Arc::new(device), Arc::new(Kernels::default())), model, state, plan)
+    pub fn new(device: Device, model: &Model, state: &State, (plan, from): (&StepPlan, Stage)) -> Result<Gpu, Fault> {
+        Gpu::with((Arc::new(device), Arc::new(Kernels::default())), model, state, (plan, from))
     }
 
     fn with(
         (device, kernels): (Arc<Device>, Arc<Kernels>),
         model: &Model,
         state: &State,
-        plan: &StepPlan,
+        (plan, from): (&StepPlan, Stage),
     ) -> Result<Gpu, Fault> {
         let method = method_of(plan);
         let mut collision = Collision::new(&device, &kernels, model, state)?;
@@ -201,6 +221,7 @@ impl Gpu {
             is_stale,
             has_found: false,
             is_landing: false,
+            before: Before::new(from),
         };
         gpu.record(model, plan)?;
         Ok(gpu)
@@ -212,9 +233,15 @@ impl Gpu {
         format!("{} ({})", adapter.name, adapter.driver)
     }
 
-    /// The longest time that a submission of commands has kept the device so far, s.
-    pub fn longest_submission(&self) -> f64 {
-        self.device.longest_submission()
+    /// What the device has been used for so far.
+    pub fn usage(&self) -> Usage {
+        Usage {
+            longest_submission: self.device.longest_submission(),
+            most_bytes: self.device.most_memory(),
+            largest_buffer: self.device.largest_buffer(),
+            bytes_per_contact_sweep: self.solve.bytes,
+            sweeps: self.solve.sweeps,
+        }
     }
 
     /// Give the device back, for a back end of another state.
@@ -227,7 +254,7 @@ impl Gpu {
     /// # Errors
     /// Those of [`Gpu::new`].
     pub fn renew(&mut self, model: &Model, state: &State, plan: &StepPlan) -> Result<(), Fault> {
-        *self = Gpu::with((self.device.clone(), self.kernels.clone()), model, state, plan)?;
+        *self = Gpu::with((self.device.clone(), self.kernels.clone()), model, state, (plan, self.before.from))?;
         Ok(())
     }
 
@@ -285,7 +312,13 @@ impl Gpu {
     }
 
     /// Take a step; none where a sleeping body has woken that the step would touch: it begins again then.
-    fn try_step(&mut self, model: &Model, plan: &StepPlan, state: &mut State) -> Result<Option<Stepped>, Fault> {
+    ///
+    /// # Errors
+    /// [`Fault::Gpu`].
+    pub fn try_step(&mut self, model: &Model, plan: &StepPlan, state: &mut State) -> Result<Option<Stepped>, Fault> {
+        if self.before.from == Stage::Integrate {
+            return self.integrate(model, plan, state).map(Some);
+        }
         if self.impacts.is_some() {
             self.fetch(model, state)?;
         }
@@ -342,24 +375,33 @@ impl Gpu {
         stage_ms: &mut [f64; Stage::ALL.len()],
         iterations: u32,
     ) -> Result<(), Fault> {
-        let mut add = |timings: gpu::Timings| {
-            let stages = timings.wait(&self.device)?.unwrap_or_default();
-            for (name, seconds) in &stages {
-                let stage = Stage::ALL.iter().position(|stage| stage.name() == *name);
-                stage_ms[stage.expect("stages are named as they are")] += 1e3 * seconds;
-            }
-            Ok::<f64, Fault>(stages.iter().map(|(_, seconds)| seconds).sum())
-        };
         for timings in times.stages {
-            add(timings)?;
+            self.add_times(timings, stage_ms)?;
         }
         let mut seconds = 0.0;
         for timings in times.iterations {
-            seconds += add(timings)?;
+            seconds += self.add_times(timings, stage_ms)?;
         }
         if iterations > 0 {
             self.solving().solve.observe(&self.device, seconds / f64::from(iterations));
         }
+        Ok(())
+    }
+
+    /// Add the times of submitted commands to those of their stages. Returns the time of all of them, s.
+    fn add_times(&self, timings: gpu::Timings, stage_ms: &mut [f64; Stage::ALL.len()]) -> Result<f64, Fault> {
+        let stages = timings.wait(&self.device)?.unwrap_or_default();
+        for (name, seconds) in &stages {
+            let stage = Stage::ALL.iter().position(|stage| stage.name() == *name);
+            stage_ms[stage.expect("stages are named as they are")] += 1e3 * seconds;
+        }
+        Ok(stages.iter().map(|(_, seconds)| seconds).sum())
+    }
+
+    /// Submit the stages up to the contacts with their starting point, with what the processor has found before.
+    fn find(&mut self, model: &Model, plan: &StepPlan, state: &State, times: &mut Submissions) -> Result<(), Fault> {
+        self.place_given(model, plan, state)?;
+        times.stages.push(self.recorded.find.submit(&self.device)?);
         Ok(())
     }
 
@@ -394,7 +436,7 @@ impl Gpu {
         times: &mut Submissions,
     ) -> Result<bool, Fault> {
         let n = loop {
-            times.stages.push(self.recorded.find.submit(&self.device)?);
+            self.find(model, plan, state, times)?;
             let room = self.collision.room().read_back(&self.device, 3)?;
             let n = self.solve.problem.n_contacts.n.read_back(&self.device, 1)?;
             let (room, n) = (room.wait(&self.device)?, n.wait(&self.device)?);
@@ -459,7 +501,7 @@ impl Gpu {
         times: &mut Submissions,
     ) -> Result<Submitted, Fault> {
         if !std::mem::take(&mut self.has_found) {
-            times.stages.push(self.recorded.find.submit(&self.device)?);
+            self.find(model, plan, state, times)?;
         }
         if let Some(impulses) = &self.rest.impulses {
             self.solve.problem.gamma.write(&self.device, impulses);

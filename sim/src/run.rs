@@ -5,6 +5,7 @@
 
 use crate::gpu;
 use crate::model_file::{ModelFile, OnDivergence, Resolved};
+use crate::stages::Stage;
 use crate::watch::{Broken, Warning, WarningCount};
 use crate::{
     Model, Simulation, State, StepFault, checkpoint, contacts_of, frame_of, probe_header, probe_line, report_header,
@@ -43,7 +44,7 @@ pub trait Observer {
     }
     /// The run resumes from a checkpoint at `time`, s; `written` of `expected` frames exist already.
     fn resume(&mut self, _checkpoint: &Path, _time: f64, _written: u64, _expected: u64) {}
-    /// The processor simulates a model that is large enough for a graphics adapter; `why` says what speaks against one.
+    /// The processor simulates a model that is large enough for a graphics adapter, or has `gpu_from`; `why` says what speaks against one.
     fn fall_back(&mut self, _why: &str) {}
     /// The first step is about to be taken; the run has `expected` frames in total.
     fn start(&mut self, _expected: u64) {}
@@ -79,6 +80,8 @@ pub enum RunError {
     Adapter(String),
     /// The graphics device failed; the message for the user.
     Device(String),
+    /// Stages are to run on a graphics adapter, and none is to be used; the message for the user.
+    NoDevice(String),
 }
 
 impl From<gpu::Fault> for RunError {
@@ -118,15 +121,35 @@ pub enum Computer {
 pub const LEAST_FOR_GPU: usize = 20_000;
 
 impl Computer {
-    /// A simulation of a model from a state.
-    fn begin(&self, model: Model, state: State, observer: &mut dyn Observer) -> Result<Simulation, RunError> {
+    /// Check that stages of a model's step that are to run on a graphics adapter can do so.
+    ///
+    /// # Errors
+    /// [`RunError::NoDevice`] for the processor.
+    pub fn check(&self, file: &ModelFile) -> Result<(), RunError> {
+        match (self, file.gpu_from) {
+            (Computer::Cpu, Some(stage)) => Err(RunError::NoDevice(format!(
+                "`gpu_from: {}` has a graphics adapter run the stages from there on, and this is a simulation by the processor alone",
+                stage.name()
+            ))),
+            _ => Ok(()),
+        }
+    }
+
+    /// A simulation of a model from a state, whose stages from `gpu_from` on, or all, run on a graphics adapter, if any does.
+    fn begin(
+        &self,
+        gpu_from: Option<Stage>,
+        (model, state): (Model, State),
+        observer: &mut dyn Observer,
+    ) -> Result<Simulation, RunError> {
         let open = |choice| Device::open(choice).map_err(gpu::Fault::Gpu);
         let is_large = || model.inv_mass.iter().filter(|inv_mass| **inv_mass > 0.0).count() >= LEAST_FOR_GPU;
+        let from = gpu_from.unwrap_or(Stage::Bounds);
         match self {
-            Computer::Gpu(choice) => Ok(Simulation::on_device(model, state, open(choice)?)?),
-            Computer::Auto if is_large() => {
+            Computer::Gpu(choice) => Ok(Simulation::on_device_from(from, model, state, open(choice)?)?),
+            Computer::Auto if gpu_from.is_some() || is_large() => {
                 let begun = open(&Choice::Hardware)
-                    .and_then(|device| Simulation::on_device(model.clone(), state.clone(), device));
+                    .and_then(|device| Simulation::on_device_from(from, model.clone(), state.clone(), device));
                 Ok(begun.unwrap_or_else(|fault| {
                     observer.fall_back(&fault.to_string());
                     Simulation::new(model, state)
@@ -143,10 +166,11 @@ impl From<Fault> for RunError {
     }
 }
 
-/// A model without what changes none of a run's frames: its name, its duration, that of its last stage, and `on_divergence`.
+/// A model without what changes none of a run's frames, or their last bits alone: its name, its duration, that of its last stage,
+/// `on_divergence` and `gpu_from`.
 pub fn identity(file: &ModelFile) -> ModelFile {
     let (name, on_divergence) = (String::new(), OnDivergence::default());
-    let mut file = ModelFile { name, on_divergence, duration: 1.0, ..file.clone() };
+    let mut file = ModelFile { name, on_divergence, gpu_from: None, duration: 1.0, ..file.clone() };
     if let Some(last) = file.stages.last_mut() {
         last.duration = 1.0;
     }
@@ -189,7 +213,8 @@ pub fn simulate(
     let until = span.end(&resolved.model);
     let expected_frames = n_frames(until, resolved.model.frame_rate);
     let (model, state) = (std::mem::take(&mut resolved.model), std::mem::take(&mut resolved.state));
-    let sim = computer.begin(model, state, observer)?;
+    computer.check(file)?;
+    let sim = computer.begin(file.gpu_from, (model, state), observer)?;
     let index = Index {
         format_version: FORMAT_VERSION,
         program: format!("scree {}", env!("CARGO_PKG_VERSION")),

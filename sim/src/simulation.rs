@@ -2,15 +2,15 @@
 
 use crate::backend::Backend;
 use crate::cpu::Cpu;
-use crate::gpu::{Fault, Gpu};
+use crate::gpu::{Fault, Gpu, Usage};
 use crate::joint::{JointState, SpringState};
 use crate::model::Model;
 use crate::outcome::{Deepest, StepOutcome};
 use crate::plan::StepPlan;
-use crate::sleep;
 use crate::stages::{Stage, check};
 use crate::state::State;
 use crate::warning::{Broken, Warning};
+use crate::{sleep, watch};
 use std::time::Instant;
 
 /// The report of a step.
@@ -50,6 +50,8 @@ pub struct Simulation {
 enum Engine {
     Cpu(Box<Cpu>),
     Gpu(Box<Gpu>),
+    /// The first stages on the processor, the others on a graphics device.
+    Split(Box<Cpu>, Box<Gpu>),
 }
 
 /// Why a step cannot be taken.
@@ -90,8 +92,24 @@ impl Simulation {
     /// # Errors
     /// [`Fault`]: what of the model no kernel is built for, or a fault of the device.
     pub fn on_device(model: Model, state: State, device: gpu::Device) -> Result<Simulation, Fault> {
+        Simulation::on_device_from(Stage::Bounds, model, state, device)
+    }
+
+    /// A simulation of a model from a state, whose stages from `from` on run on a graphics device and those before it on the processor. The
+    /// state goes to the device and back in each step.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::on_device`].
+    pub fn on_device_from(from: Stage, model: Model, state: State, device: gpu::Device) -> Result<Simulation, Fault> {
         let (state, plan) = begin(&model, state);
-        let engine = Engine::Gpu(Box::new(Gpu::new(device, &model, &state, &plan)?));
+        let gpu = Box::new(Gpu::new(device, &model, &state, (&plan, from))?);
+        let engine = if from == Stage::Bounds {
+            Engine::Gpu(gpu)
+        } else {
+            let mut cpu = Box::new(Cpu::default());
+            cpu.prepare(&model, &state, &plan);
+            Engine::Split(cpu, gpu)
+        };
         Ok(Simulation { model, state, plan, engine })
     }
 
@@ -102,7 +120,9 @@ impl Simulation {
     pub fn restart(self, state: State) -> Result<Simulation, Fault> {
         match self.engine {
             Engine::Cpu(_) => Ok(Simulation::new(self.model, state)),
-            Engine::Gpu(gpu) => Simulation::on_device(self.model, state, gpu.into_device()),
+            Engine::Gpu(gpu) | Engine::Split(_, gpu) => {
+                Simulation::on_device_from(gpu.from(), self.model, state, gpu.into_device())
+            }
         }
     }
 
@@ -110,15 +130,15 @@ impl Simulation {
     pub fn backend(&self) -> &'static str {
         match &self.engine {
             Engine::Cpu(cpu) => cpu.name(),
-            Engine::Gpu(_) => "gpu",
+            Engine::Gpu(_) | Engine::Split(..) => "gpu",
         }
     }
 
-    /// The longest time that a submission of commands has kept the graphics device so far, s; none on the CPU.
-    pub fn longest_submission(&self) -> Option<f64> {
+    /// What the graphics device has been used for so far; none on the CPU.
+    pub fn device_usage(&self) -> Option<Usage> {
         match &self.engine {
             Engine::Cpu(_) => None,
-            Engine::Gpu(gpu) => Some(gpu.longest_submission()),
+            Engine::Gpu(gpu) | Engine::Split(_, gpu) => Some(gpu.usage()),
         }
     }
 
@@ -126,7 +146,7 @@ impl Simulation {
     pub fn adapter(&self) -> Option<String> {
         match &self.engine {
             Engine::Cpu(_) => None,
-            Engine::Gpu(gpu) => Some(gpu.adapter()),
+            Engine::Gpu(gpu) | Engine::Split(_, gpu) => Some(gpu.adapter()),
         }
     }
 
@@ -137,7 +157,7 @@ impl Simulation {
     pub fn fetch(&mut self) -> Result<(), Fault> {
         match &mut self.engine {
             Engine::Cpu(_) => Ok(()),
-            Engine::Gpu(gpu) => gpu.fetch(&self.model, &mut self.state),
+            Engine::Gpu(gpu) | Engine::Split(_, gpu) => gpu.fetch(&self.model, &mut self.state),
         }
     }
 
@@ -183,24 +203,23 @@ impl Simulation {
                 Engine::Cpu(cpu) => cpu.prepare(model, state, plan),
                 Engine::Gpu(gpu) if has_woken => gpu.renew(model, state, plan)?,
                 Engine::Gpu(gpu) => gpu.prepare(model, state, plan)?,
+                Engine::Split(cpu, gpu) => {
+                    cpu.prepare(model, state, plan);
+                    if has_woken { gpu.renew(model, state, plan)? } else { gpu.prepare(model, state, plan)? }
+                }
             }
         }
         let (stage_ms, outcome, watched) = match engine {
             Engine::Cpu(cpu) => {
                 let stage_ms = loop {
-                    let stepped = run_stages(cpu.as_mut(), model, plan, state, is_checked);
+                    let stepped = run_stages(cpu.as_mut(), &Stage::ALL, (model, plan), state, is_checked);
                     if let Some(stage_ms) = stepped.map_err(StepFault::Columns)? {
                         break stage_ms;
                     }
                     // The plan is the same whether bodies sleep or move.
                     cpu.prepare(model, state, plan);
                 };
-                let contacts = state.contacts.len() + state.sleepers.contacts.len();
-                let worst_penetration = state.worst_penetration();
-                let may_be_deep = state.watch.may_be_deep(model, worst_penetration);
-                let deepest = if may_be_deep { Deepest::of(state, |s| model.inradius(s)) } else { None };
-                let outcome = StepOutcome { contacts, worst_penetration, deepest, ..cpu.outcome() };
-                (stage_ms, outcome, None)
+                (stage_ms, outcome_of(cpu, model, state), None)
             }
             Engine::Gpu(gpu) => {
                 // Sleep is found in the columns of the state.
@@ -213,6 +232,7 @@ impl Simulation {
                 }
                 (stepped.stage_ms, stepped.outcome, Some(stepped.survey))
             }
+            Engine::Split(cpu, gpu) => split_step((cpu, gpu), (model, plan), state, is_checked)?,
         };
         let mut watch = std::mem::take(&mut state.watch);
         let survey = watched.unwrap_or_else(|| watch.survey(model, state));
@@ -224,6 +244,10 @@ impl Simulation {
             match engine {
                 Engine::Cpu(cpu) => cpu.prepare(model, state, plan),
                 Engine::Gpu(gpu) => gpu.renew(model, state, plan)?,
+                Engine::Split(cpu, gpu) => {
+                    cpu.prepare(model, state, plan);
+                    gpu.renew(model, state, plan)?;
+                }
             }
         }
         Ok(StepReport {
@@ -252,11 +276,63 @@ fn begin(model: &Model, mut state: State) -> (State, StepPlan) {
     (state, plan)
 }
 
-/// Run the stages of a step. Returns the wall time of each, ms; none where a body has woken that the step will touch: it begins again then.
+/// The outcome of a step of the CPU back end, all of whose stages have run.
+fn outcome_of(cpu: &Cpu, model: &Model, state: &mut State) -> StepOutcome {
+    let contacts = state.contacts.len() + state.sleepers.contacts.len();
+    let worst_penetration = state.worst_penetration();
+    let may_be_deep = state.watch.may_be_deep(model, worst_penetration);
+    let deepest = if may_be_deep { Deepest::of(state, |s| model.inradius(s)) } else { None };
+    StepOutcome { contacts, worst_penetration, deepest, ..cpu.outcome() }
+}
+
+/// Times of the stages, ms, the outcome of a step, and the survey of its bodies where a device has one.
+type Watched = ([f64; Stage::ALL.len()], StepOutcome, Option<watch::Survey>);
+
+/// Take a step whose first stages are the processor's and whose others are the device's.
+fn split_step(
+    (cpu, gpu): (&mut Cpu, &mut Gpu),
+    (model, plan): (&Model, &StepPlan),
+    state: &mut State,
+    is_checked: bool,
+) -> Result<Watched, StepFault> {
+    let from = gpu.from();
+    let before = &Stage::ALL[..from as usize];
+    loop {
+        // What the stages change before the bodies move, where bodies sleep.
+        let kept = || (state.contacts.clone(), state.manifolds.clone(), state.step_length);
+        let kept = (!state.sleepers.are_none()).then(kept);
+        let run = run_stages(cpu, before, (model, plan), state, is_checked).map_err(StepFault::Columns)?;
+        if let Some(mut stage_ms) = run {
+            gpu.give(cpu.given(from, model, state));
+            if let Some(mut stepped) = gpu.try_step(model, plan, state)? {
+                if from == Stage::Integrate {
+                    // Joints are the processor's, and the bodies that they act on; the others are fetched.
+                    run_stages(cpu, &[from], (model, plan), state, is_checked).map_err(StepFault::Columns)?;
+                    stepped.outcome = outcome_of(cpu, model, state);
+                }
+                gpu.fetch(model, state)?;
+                // In single precision their lengths are off by 1e-7, by which velocities would grow or shrink in each step.
+                state.orientation.iter_mut().for_each(|q| *q = q.normalize());
+                stepped.outcome.contacts = state.contacts.len() + state.sleepers.contacts.len();
+                stepped.outcome.worst_penetration = state.worst_penetration();
+                stage_ms.iter_mut().zip(stepped.stage_ms).for_each(|(all, ms)| *all += ms);
+                return Ok((stage_ms, stepped.outcome, Some(stepped.survey)));
+            }
+            if let Some(kept) = kept {
+                (state.contacts, state.manifolds, state.step_length) = kept;
+            }
+        }
+        // A body has woken. The plan is the same whether bodies sleep or move.
+        cpu.prepare(model, state, plan);
+        gpu.renew(model, state, plan)?;
+    }
+}
+
+/// Run stages of a step. Returns the wall time of each, ms; none where a body has woken that the step will touch: it begins again then.
 fn run_stages(
     backend: &mut dyn Backend,
-    model: &Model,
-    plan: &StepPlan,
+    stages: &[Stage],
+    (model, plan): (&Model, &StepPlan),
     state: &mut State,
     is_checked: bool,
 ) -> Result<Option<[f64; Stage::ALL.len()]>, String> {
@@ -264,7 +340,7 @@ fn run_stages(
     let mut last = Instant::now();
     // What the stages change before the bodies move, where bodies sleep.
     let mut before = None;
-    for (stage, ms) in Stage::ALL.into_iter().zip(&mut stage_ms) {
+    for stage in stages.iter().copied() {
         if stage == Stage::ContactWrite && !state.sleepers.are_none() {
             before = Some((state.contacts.clone(), state.manifolds.clone(), state.step_length));
         }
@@ -279,7 +355,7 @@ fn run_stages(
         }
         let now = Instant::now();
         if has_run {
-            *ms = (now - last).as_secs_f64() * 1e3;
+            stage_ms[stage as usize] = (now - last).as_secs_f64() * 1e3;
             if is_checked {
                 check(stage, model, plan, state, |column| backend.column(state, column))?;
             }

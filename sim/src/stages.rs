@@ -16,8 +16,15 @@ use glam::{DQuat, DVec3};
 use std::borrow::Cow;
 use std::mem::size_of;
 
-/// A stage of the step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// How far apart the bodies of two back ends may be after twenty steps from one state, or of runs of which some stages are one back end's and
+/// some the other's, m.
+pub const PARITY: f64 = 1e-4;
+
+/// A stage of the step, in the order in which a step runs them.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
+#[serde(rename_all = "snake_case")]
 pub enum Stage {
     /// Margins and fat AABBs of the shapes.
     Bounds,

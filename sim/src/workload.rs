@@ -1,10 +1,12 @@
-//! Benchmark workloads for comparisons between engines: beds of spheres that settle in an open box, convex bodies and joints.
+//! Benchmark workloads for comparisons between engines: beds of spheres that settle in an open box, convex bodies, joints, and a vehicle.
 
 mod convex;
 mod measure;
+mod vehicle;
 
 pub use convex::{Convex, mixed, scene};
 pub use measure::Measure;
+pub use vehicle::vehicle;
 
 use crate::fill::SplitMix64;
 use crate::model_file::quality::{NORMAL_OMEGA, NORMAL_OVERLAP, NORMAL_SWEEPS};
@@ -77,7 +79,7 @@ pub fn build(workload: Workload, n: usize, solver: SolverSettings, step: f64) ->
 }
 
 /// The greatest radius of a workload's spheres, m.
-fn radius(workload: Workload) -> f64 {
+pub fn radius(workload: Workload) -> f64 {
     if workload == Workload::S { 0.075 } else { 0.036 }
 }
 

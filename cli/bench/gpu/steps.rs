@@ -1,88 +1,201 @@
-//! Whole steps of workload S and of mixed convex shapes on a graphics adapter.
+//! Whole steps on a graphics adapter: of workload S, of workload A with a thousand iterations a step, of mixed convex shapes, and of the tracked
+//! vehicle on a bed.
 
-use ::gpu::{Choice, Device};
+use ::gpu::{Choice, Device, GpuError};
 use serde_json::{Map, Value, json};
 use sim::gpu::Fault;
 use sim::stages::Stage;
 use sim::workload::{self, Workload};
-use sim::{Method, Model, Simulation, State};
+use sim::{Method, Model, ModelBuilder, Simulation, SolverSettings, State};
 use std::time::Instant;
 
-/// Steps before those that are timed, and the number of these.
+/// Steps before those that are timed, and the most of these.
 const BEFORE: usize = 2;
 const STEPS: usize = 5;
 
-/// Size of a bed up to which the same steps are taken by the processor, too.
+/// Bodies up to which the same steps are taken by the processor, too.
 const COMPARED: usize = 10_000;
 
 /// Methods with their iterations: those of Gauss–Seidel have two sweeps.
 const METHODS: [(Method, u32); 3] = [(Method::Jacobi, 50), (Method::Apgd, 50), (Method::GaussSeidel, 12)];
 
-/// Measure all methods on a bed of `n` spheres.
-pub fn measure(adapter: &Choice, n: usize) -> Result<Vec<Value>, Fault> {
-    let of = |(method, iterations)| of_method(adapter, ("S", n), bed(n, method, iterations), method);
-    METHODS.into_iter().map(of).collect()
+/// The same for workload A: a thousand iterations, or as many sweeps.
+const LONG: [(Method, u32); 3] = [(Method::Jacobi, 1000), (Method::Apgd, 1000), (Method::GaussSeidel, 500)];
+
+/// The adapter, and the time that there is.
+pub struct Steps<'a> {
+    /// The adapter.
+    pub adapter: &'a Choice,
+    /// The most bytes of a buffer that it allows.
+    pub most_bytes: u64,
+    /// Its copy bandwidth, bytes/s.
+    pub bandwidth: f64,
+    /// When no row is begun any more.
+    pub until: Instant,
+    /// Time for the timed steps of a row, s; there is one at least.
+    pub seconds: f64,
 }
 
-/// Measure the methods on a bed of `n` mixed convex shapes.
-pub fn measure_mixed(adapter: &Choice, n: usize) -> Result<Vec<Value>, Fault> {
-    let bed = workload::mixed(n).simulation().map_err(|fault| Fault::Unsupported(fault.to_string()))?;
-    let of = |(method, iterations)| {
-        let mut model = bed.model.clone();
-        (model.step, model.solver) = (1.5e-3, workload::solver(method, iterations));
-        of_method(adapter, ("mixed", n), (model, bed.state.clone()), method)
-    };
-    METHODS.into_iter().map(of).collect()
-}
-
-fn of_method(
-    adapter: &Choice,
-    (workload, n): (&str, usize),
-    (model, state): (Model, State),
+/// What a row is about.
+#[derive(Clone, Copy)]
+struct Row {
+    workload: &'static str,
+    n: usize,
     method: Method,
-) -> Result<Value, Fault> {
-    let radius = model.shape_size.last().map_or(1.0, |size| size.x);
-    let mut cpu = (n <= COMPARED).then(|| Simulation::new(model.clone(), state.clone()));
-    let mut own = Simulation::on_device(model, state, Device::open(adapter)?)?;
-    let step = |own: &mut Simulation| {
-        own.try_step().map_err(|fault| match fault {
-            sim::StepFault::Device(fault) => fault,
-            sim::StepFault::Columns(why) => panic!("{why}"),
-        })
-    };
-    let mut last = step(&mut own)?;
-    for _ in 1..BEFORE {
-        last = step(&mut own)?;
-    }
-    let mut stage_ms = [0.0; Stage::ALL.len()];
-    let started = Instant::now();
-    for _ in 0..STEPS {
-        last = step(&mut own)?;
-        stage_ms.iter_mut().zip(last.stage_ms).for_each(|(sum, ms)| *sum += ms / STEPS as f64);
-    }
-    let seconds = started.elapsed().as_secs_f64() / STEPS as f64;
-    own.fetch()?;
-    let stages: Map<String, Value> =
-        Stage::ALL.iter().zip(stage_ms).map(|(stage, ms)| (stage.name().to_string(), json!(ms))).collect();
-    let off = cpu.as_mut().map(|cpu| {
-        (0..BEFORE + STEPS).for_each(|_| drop(cpu.step()));
-        let pairs = own.state.position.iter().zip(&cpu.state.position);
-        pairs.map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max)
-    });
-    Ok(json!({
-        "workload": workload, "n": n, "method": method.name(), "iterations": last.iterations, "contacts": last.contacts,
-        "seconds_per_step": seconds, "stage_ms": stages, "worst_penetration_over_r": last.worst_penetration / radius,
-        "max_position_difference_m": off, "longest_submission_seconds": own.longest_submission(),
-    }))
+    /// A length of the bodies, m.
+    radius: f64,
 }
 
-/// A bed whose lattice is drawn together so that neighbours touch, and falls.
+impl Row {
+    /// The row where it has not been measured.
+    fn without(&self, key: &str, why: String) -> Value {
+        json!({ "workload": self.workload, "n": self.n, "method": self.method.name(), key: why })
+    }
+}
+
+impl Steps<'_> {
+    /// Measure all methods on a bed of `n` spheres.
+    pub fn spheres(&self, n: usize) -> Result<Vec<Value>, Fault> {
+        let of = |(method, iterations)| {
+            let row = Row { workload: "S", n, method, radius: workload::radius(Workload::S) };
+            self.row(row, || Ok(bed(n, method, iterations)))
+        };
+        METHODS.into_iter().map(of).collect()
+    }
+
+    /// The same for ten times the spheres of a measured row, which says what buffers these took. Where those would be larger than the adapter
+    /// allows, that is said in its stead.
+    pub fn ten_times(&self, smaller: &Value) -> Result<Vec<Value>, Fault> {
+        let n = 10 * smaller["n"].as_u64().unwrap_or(0) as usize;
+        let Some(largest) = smaller["largest_buffer_bytes"].as_u64() else { return self.spheres(n) };
+        let limit = self.most_bytes;
+        if 10 * largest <= limit {
+            return self.spheres(n);
+        }
+        let why = format!(
+            "by those of {} spheres the largest buffer would have {} bytes, all of them {}, and this adapter allows {limit} for a buffer",
+            smaller["n"],
+            10 * largest,
+            10 * smaller["device_bytes"].as_u64().unwrap_or(0)
+        );
+        let without = |(method, _)| Row { workload: "S", n, method, radius: 0.0 }.without("does_not_fit", why.clone());
+        Ok(METHODS.into_iter().map(without).collect())
+    }
+
+    /// Measure the methods with a thousand iterations or sweeps on a bed of `n` grains of workload A.
+    pub fn anchor(&self, n: usize) -> Result<Vec<Value>, Fault> {
+        let of = |(method, iterations)| {
+            let row = Row { workload: "A", n, method, radius: workload::radius(Workload::A) };
+            self.row(row, || Ok(drawn(Workload::A, n, workload::solver(method, iterations), (5e-4, 0.8))))
+        };
+        LONG.into_iter().map(of).collect()
+    }
+
+    /// Measure the methods on a bed of `n` mixed convex shapes, drawn together until neighbours touch.
+    pub fn mixed(&self, n: usize) -> Result<Vec<Value>, Fault> {
+        self.built(("mixed", n, 0.075), &workload::mixed(n), (1.5e-3, 0.8))
+    }
+
+    /// Measure the methods on the tracked vehicle on a bed of about `n` spheres.
+    pub fn vehicle(&self, n: usize) -> Result<Vec<Value>, Fault> {
+        self.built(("vehicle", n, 0.01), &workload::vehicle(n), (1e-3, 1.0))
+    }
+
+    /// Measure the methods on a model with a step, s, whose bodies are as much closer.
+    fn built(
+        &self,
+        (workload, n, radius): (&'static str, usize, f64),
+        builder: &ModelBuilder,
+        (step, closer): (f64, f64),
+    ) -> Result<Vec<Value>, Fault> {
+        let mut bed = builder.simulation().map_err(|fault| Fault::Unsupported(fault.to_string()))?;
+        let moves: Vec<bool> = bed.model.inv_mass.iter().map(|inv_mass| *inv_mass > 0.0).collect();
+        bed.state.position.iter_mut().zip(moves).filter(|(_, moves)| *moves).for_each(|(p, _)| *p *= closer);
+        let of = |(method, iterations)| {
+            self.row(Row { workload, n, method, radius }, || {
+                let mut model = bed.model.clone();
+                (model.step, model.solver) = (step, workload::solver(method, iterations));
+                Ok((model, bed.state.clone()))
+            })
+        };
+        METHODS.into_iter().map(of).collect()
+    }
+
+    /// A row, if there is time for it and memory.
+    fn row(&self, row: Row, build: impl FnOnce() -> Result<(Model, State), Fault>) -> Result<Value, Fault> {
+        if Instant::now() > self.until {
+            return Ok(row.without("left_out", "the time of the benchmark is over".into()));
+        }
+        match self.measure(row, build()?) {
+            Err(Fault::Gpu(error @ (GpuError::TooLarge { .. } | GpuError::Memory { .. }))) => {
+                Ok(row.without("does_not_fit", error.to_string()))
+            }
+            measured => measured,
+        }
+    }
+
+    fn measure(
+        &self,
+        Row { workload, n, method, radius }: Row,
+        (model, state): (Model, State),
+    ) -> Result<Value, Fault> {
+        let mut cpu = (n <= COMPARED).then(|| Simulation::new(model.clone(), state.clone()));
+        let mut own = Simulation::on_device(model, state, Device::open(self.adapter)?)?;
+        let step = |own: &mut Simulation| {
+            own.try_step().map_err(|fault| match fault {
+                sim::StepFault::Device(fault) => fault,
+                sim::StepFault::Columns(why) => panic!("{why}"),
+            })
+        };
+        for _ in 0..BEFORE {
+            step(&mut own)?;
+        }
+        let (mut stage_ms, mut steps, mut last) = ([0.0; Stage::ALL.len()], 0, None);
+        let started = Instant::now();
+        while steps == 0 || (steps < STEPS && started.elapsed().as_secs_f64() < self.seconds) {
+            let report = step(&mut own)?;
+            stage_ms.iter_mut().zip(report.stage_ms).for_each(|(sum, ms)| *sum += ms);
+            last = Some(report);
+            steps += 1;
+        }
+        let seconds = started.elapsed().as_secs_f64() / steps as f64;
+        stage_ms.iter_mut().for_each(|ms| *ms /= steps as f64);
+        own.fetch()?;
+        let stages: Map<String, Value> =
+            Stage::ALL.iter().zip(stage_ms).map(|(stage, ms)| (stage.name().to_string(), json!(ms))).collect();
+        let off = cpu.as_mut().map(|cpu| {
+            (0..BEFORE + steps).for_each(|_| drop(cpu.step()));
+            let pairs = own.state.position.iter().zip(&cpu.state.position);
+            pairs.map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max)
+        });
+        let last = last.expect("a step at least");
+        let usage = own.device_usage().expect("it is on a device");
+        // Where the adapter takes no times, the stage has none.
+        let solving = 1e-3 * stage_ms[Stage::ContactSolve as usize];
+        let sweeps = last.contacts as f64 * f64::from(last.iterations * usage.sweeps);
+        let rate = (solving > 0.0).then(|| sweeps / solving);
+        Ok(json!({
+            "workload": workload, "n": n, "bodies": own.state.position.len(), "method": method.name(),
+            "iterations": last.iterations, "contacts": last.contacts, "steps": steps,
+            "seconds_per_step": seconds, "stage_ms": stages, "worst_penetration_over_r": last.worst_penetration / radius,
+            "contact_iterations_per_second": rate,
+            "fraction_of_copy_bandwidth": rate.map(|rate| rate * usage.bytes_per_contact_sweep / self.bandwidth),
+            "max_position_difference_m": off, "longest_submission_seconds": usage.longest_submission,
+            "device_bytes": usage.most_bytes, "largest_buffer_bytes": usage.largest_buffer,
+        }))
+    }
+}
+
+/// A bed of workload S whose lattice is drawn together so that neighbours touch, and falls.
 fn bed(n: usize, method: Method, iterations: u32) -> (Model, State) {
-    /// Factor of the lattice's spacing of 2.1 radii.
-    const CLOSER: f64 = 0.955;
-    let (model, mut state) = workload::build(Workload::S, n, workload::solver(method, iterations), 1.5e-3);
+    drawn(Workload::S, n, workload::solver(method, iterations), (1.5e-3, 0.955))
+}
+
+/// A workload with its step, s, whose spheres are as much closer.
+fn drawn(workload: Workload, n: usize, solver: SolverSettings, (step, closer): (f64, f64)) -> (Model, State) {
+    let (model, mut state) = workload::build(workload, n, solver, step);
     for body in (0..model.n_bodies()).filter(|b| model.inv_mass[*b] > 0.0) {
-        state.position[body] *= CLOSER;
+        state.position[body] *= closer;
     }
     (model, state)
 }

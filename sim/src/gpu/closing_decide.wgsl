@@ -1,7 +1,7 @@
 // Gauss–Seidel: whether iterations go on beyond those of the settings, since a gap still closes too fast or the residual is too great.
 // inout fastest  [1]   as bits, m/s
 // inout scalars  [1]
-// inout work     [11]  workgroups of each round, of the big tiles, of the joints and of `closing`
+// inout work     [11]  workgroups of each dispatch of a round, of the big tiles, of the joints and of `closing`
 // in    params   [3]   as bits: the speed, m/s, and the residual, m/s; the most iterations, over those of the settings
 // Twin: cpu/solve/sweeps.rs
 #import scalars

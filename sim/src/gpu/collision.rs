@@ -3,6 +3,8 @@
 //! Pairs hold while no sphere has left its fat box: the stages of the broad phase then have nothing to do, as their counts on the device
 //! say. If there are more pairs than room, there are none at all, and the stages are run again with more room; no pair is dropped.
 
+pub mod given;
+
 use super::bin_emit::{BinEmit, Bins};
 use super::bin_start::BinStart;
 use super::bodies::Bodies;
@@ -19,6 +21,7 @@ use super::tiles::Tiles;
 use crate::aabb;
 use crate::model::Model;
 use crate::plan::{Narrow, rolls};
+use crate::stages::Stage;
 use crate::state::State;
 use gpu::radix_sort::RadixSort;
 use gpu::{Buffer, Commands, Count, Device, GpuError, Kernels};
@@ -96,7 +99,7 @@ impl Collision {
             contact_write: ContactWrite::new(device, kernels, layout)?,
             pairs: Pairs::new(device, n, room)?,
             tiles: None,
-            contacts: Contacts::new(device, kernels, room)?,
+            contacts: Contacts::new(device, kernels, [room; 2])?,
             found: Found { pairs: 0, contacts: 0 },
             spheres,
         };
@@ -155,9 +158,10 @@ impl Collision {
         let rooms = [room.max(self.pairs.pairs.capacity()), of_contacts.max(self.contacts.contact.capacity())];
         self.pairs = Pairs::new(device, self.spheres.n, rooms[0])?;
         match &mut self.manifolds {
-            None => self.contacts = Contacts::new(device, kernels, rooms[0])?,
+            None => self.contacts = Contacts::new(device, kernels, rooms)?,
             Some(manifolds) => {
-                self.contacts = Contacts::new(device, kernels, rooms[1])?;
+                // Their pairs are in lists of the families.
+                self.contacts = Contacts::new(device, kernels, [rooms[1]; 2])?;
                 *manifolds =
                     Manifolds::new(device, kernels, self.bodies.layout, (&self.spheres, &self.fixtures), rooms)?;
             }
@@ -268,27 +272,6 @@ impl Collision {
 
     /// Record the stages.
     pub fn record(&self, device: &Device, c: &mut Commands, model: &Model) {
-        let Collision { bodies, spheres, fixtures, due, bins, pairs, contacts, .. } = self;
-        c.stage("bounds");
-        self.bounds.record(device, c, model, (bodies, spheres), due);
-        c.stage("bin_emit");
-        self.bin_emit.record(device, c, spheres, bodies.scale.unit, (due, bins));
-        c.stage("bin_sort");
-        self.bin_sort.record(device, c, (&bins.bin, &bins.shape), &due.spheres, bins.n() as u32);
-        c.stage("bin_start");
-        self.bin_start.record(device, c, due, bins);
-        c.stage("pair_write");
-        self.pair_write.record(device, c, model, (bodies, spheres, fixtures), (due, bins, pairs));
-        if let Some(tiles) = &self.tiles {
-            tiles.record(device, c, (bodies, spheres, fixtures), (due, bins, pairs));
-        }
-        c.stage("contact_write");
-        match &self.manifolds {
-            None => self.contact_write.record(device, c, model, (bodies, spheres, fixtures), (pairs, contacts)),
-            Some(manifolds) => {
-                let to = (pairs, &contacts.contact, &contacts.n);
-                manifolds.record(device, c, model, (bodies, spheres, fixtures), to);
-            }
-        }
+        self.record_from(device, c, model, Stage::Bounds);
     }
 }

@@ -1,5 +1,5 @@
 // Whether there is room for all pairs and all of their contacts; without it the step has none, and is undone.
-// in    place       [n_pairs + 1]  number of contacts of the pairs before each, and of all
+// in    place       [n_pairs + 1]  number of contacts of the pairs before each, and of all; of spheres as of shapes of any kind
 // inout room        [3]            number of pairs that room is needed for in; whether there is room and number of contacts out
 // out   n_contacts  [1]
 // in    count       [1]            n_pairs

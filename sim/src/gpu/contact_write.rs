@@ -4,19 +4,20 @@
 //! in   fixture   [n_fixtures]
 //! in   pairs     [n_pairs]
 //! out  contact   [n_contacts] in the order of the pairs
-//! Kernels: contact_find.wgsl, the compaction, contact_write.wgsl. Twin: cpu/contact_write.rs, cpu/sphere_pairs.rs
+//! out  room      [3]          whether there is room for all of them, and for how many it is needed
+//! Kernels: contact_find.wgsl, the compaction, contact_room.wgsl, contact_write.wgsl. Twin: cpu/contact_write.rs, cpu/sphere_pairs.rs
 
 use super::bodies::Bodies;
 use super::fixtures::Fixtures;
 use super::pair_write::Pairs;
-use super::parts::{Layout, ROWS, bits, kernel_of};
+use super::parts::{Layout, ROWS, bits, kernel, kernel_of};
 use super::rows::Contact;
 use super::spheres::Spheres;
 use crate::model::Model;
 use gpu::compact::Compact;
-use gpu::{Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels};
+use gpu::{Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels, Work};
 
-/// The contacts, with room for as many as there are pairs.
+/// The contacts.
 pub struct Contacts {
     /// Whether each pair touches (n_pairs).
     touches: Buffer<u32>,
@@ -35,13 +36,13 @@ impl Contacts {
         self.compact.places()
     }
 
-    /// With room for this many pairs.
-    pub fn new(device: &Device, kernels: &Kernels, n_pairs: usize) -> Result<Contacts, GpuError> {
+    /// With room for this many pairs and contacts: of a bed's pairs a quarter touch.
+    pub fn new(device: &Device, kernels: &Kernels, [n_pairs, n_contacts]: [usize; 2]) -> Result<Contacts, GpuError> {
         Ok(Contacts {
             touches: Buffer::zeros(device, "touches", n_pairs)?,
-            touching: Buffer::zeros(device, "touching", n_pairs)?,
-            contact: Buffer::zeros(device, "contact", n_pairs)?,
-            n: Count::found(device, n_pairs)?,
+            touching: Buffer::zeros(device, "touching", n_contacts)?,
+            contact: Buffer::zeros(device, "contact", n_contacts)?,
+            n: Count::found(device, n_contacts)?,
             compact: Compact::new(device, kernels, n_pairs)?,
         })
     }
@@ -50,6 +51,7 @@ impl Contacts {
 /// The stage's kernels.
 pub struct ContactWrite {
     find: Kernel,
+    room: Kernel,
     write: Kernel,
     groups: [Groups; 2],
 }
@@ -59,6 +61,7 @@ impl ContactWrite {
     pub fn new(device: &Device, kernels: &Kernels, layout: Layout) -> Result<ContactWrite, GpuError> {
         Ok(ContactWrite {
             find: kernel_of(layout, device, kernels, ("contact_find", include_str!("contact_find.wgsl")))?,
+            room: kernel(device, kernels, "contact_room", include_str!("contact_room.wgsl"))?,
             write: kernel_of(layout, device, kernels, ("contact_write", include_str!("contact_write.wgsl")))?,
             groups: [Groups::new(device, kernels, ROWS)?, Groups::new(device, kernels, ROWS)?],
         })
@@ -83,6 +86,9 @@ impl ContactWrite {
         // The margin of a fixture is as single precision has it on the CPU.
         commands.dispatch(device, &self.find, &bound, &[unit, bits(model.envelope)], of_pairs.of_level(&from.n, 0));
         to.compact.record(device, commands, &to.touches, &from.n, &to.touching, &to.n);
+        let bound = [to.compact.places().bind(), from.room.bind(), to.n.n.bind(), from.n.n.bind()];
+        let rooms = [from.pairs.capacity() as u32, to.contact.capacity() as u32];
+        commands.dispatch(device, &self.room, &bound, &rooms, Work::Groups(1));
         of_contacts.record(device, commands, &to.n);
         let bound = [position, sphere, fixture, pairs, to.touching.bind(), to.contact.bind(), to.n.n.bind()];
         let params = [model.material_names.len() as u32, unit];

@@ -38,7 +38,7 @@ pub struct GaussSeidel {
     visits: Visits,
     decide: Kernel,
     closing: Option<Closing>,
-    /// Workgroups of each round, of the big tiles, of the joints and of `closing` (11).
+    /// Workgroups of each dispatch of a round, of the big tiles, of the joints and of `closing` (11).
     pub work: Buffer<[u32; 4]>,
     /// Residual terms of each tile squared (n_tiles).
     moved: Buffer<f32>,
@@ -110,6 +110,8 @@ struct Columns {
     is_big: Buffer<u32>,
     big: Buffer<u32>,
     round_start: Buffer<u32>,
+    /// Number of dispatches that sweep the tiles of a round, each of them some.
+    n_pieces: u32,
     n_big: Count,
     n_tiles: Count,
     n_pairs: Count,
@@ -129,6 +131,8 @@ impl Columns {
             is_big: tiles.is_big.clone(),
             big: tiles.big.clone(),
             round_start: tiles.round_start.clone(),
+            // Sweeps take a quarter of the time of colouring.
+            n_pieces: tiles.n_pieces.div_ceil(4),
             n_big: tiles.n_big.clone(),
             n_tiles: tiles.n.clone(),
             n_pairs: collision.n_pairs().clone(),
@@ -177,7 +181,8 @@ impl GaussSeidel {
         let c = &self.columns;
         let counts = [c.round_start.bind(), c.n_big.n.bind(), problem.n_contacts.n.bind()];
         let bound = [problem.scalars.bind(), self.work.bind(), counts[0], counts[1], counts[2]];
-        commands.dispatch(device, &self.start, &bound, &[settings.iterations.unwrap_or(0)], Work::Groups(1));
+        let params = [settings.iterations.unwrap_or(0), c.n_pieces];
+        commands.dispatch(device, &self.start, &bound, &params, Work::Groups(1));
         if let Visits::Manifolds { write, visits, .. } = &self.visits {
             let [mass, orientation] = problem.inertia();
             let bound = [problem.row(), mass, orientation, visits.bind(), problem.n_contacts.n.bind()];
@@ -197,8 +202,10 @@ impl GaussSeidel {
         let [sweeps, is_exact, omega] = self.params;
         let [sweep, rest] = self.visits.sweeps();
         for round in 0..ROUNDS {
-            let params = [round as u32, sweeps, is_exact, omega];
-            commands.dispatch(device, sweep, &of_sweep, &params, Work::Indirect(&self.work, round));
+            for piece in 0..c.n_pieces {
+                let params = [round as u32, sweeps, is_exact, omega, piece, c.n_pieces];
+                commands.dispatch(device, sweep, &of_sweep, &params, Work::Indirect(&self.work, round));
+            }
         }
         let work = Work::Indirect(&self.work, ROUNDS);
         commands.dispatch(device, rest, &of_rest, &self.params, work);

@@ -5,6 +5,7 @@ use crate::contacts::{Arms, Contacts, NO_PAIR};
 use crate::manifolds::Manifolds;
 use crate::model::Model;
 use crate::plan::Narrow;
+use crate::stages::Stage;
 use crate::state::State;
 use glam::DVec3;
 
@@ -22,12 +23,21 @@ impl Gpu {
             Some(mechanism) => mechanism.keep(state, fetch)?,
             None => fetch(state)?,
         }
-        state.fat_aabb = Some(self.collision.fetch_boxes(&self.device, model)?);
         self.survey.fetch(&self.device, state)?;
-        state.step_length = self.solve.step_length(&self.device)?;
-        state.contacts = self.contacts(self.n_contacts)?;
-        // Contact points are found anew in each step here.
-        state.manifolds = Manifolds::default();
+        let from = self.before.from;
+        if from == Stage::Bounds {
+            state.fat_aabb = Some(self.collision.fetch_boxes(&self.device, model)?);
+        }
+        if from < Stage::Integrate {
+            state.step_length = self.solve.step_length(&self.device)?;
+        }
+        if self.before.finds() {
+            state.contacts = self.contacts(self.n_contacts)?;
+            // Contact points are found anew in each step here.
+            state.manifolds = Manifolds::default();
+        } else if from < Stage::Integrate {
+            self.fetch_impulses(state)?;
+        }
         self.is_stale = false;
         Ok(())
     }

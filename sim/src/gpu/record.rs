@@ -21,13 +21,20 @@ impl Gpu {
             find.stage(Stage::JointWrite.name());
             mechanism.record_pose(device, &mut find, &collision.bodies);
         }
-        collision.record(device, &mut find, model);
-        find.stage(Stage::WarmStart.name());
-        match plan.warm_starts {
-            true => warm_start.record(device, &mut find, collision.columns(), solve.problem.impulses()),
-            false => solve.problem.impulses().into_iter().for_each(|column| find.clear(column)),
+        let from = self.before.from;
+        collision.record_from(device, &mut find, model, from);
+        let starts_here = from <= Stage::WarmStart;
+        if starts_here {
+            find.stage(Stage::WarmStart.name());
+            match plan.warm_starts {
+                true => warm_start.record(device, &mut find, collision.columns(), solve.problem.impulses()),
+                false => solve.problem.impulses().into_iter().for_each(|column| find.clear(column)),
+            }
         }
         if plan.start().is_some() {
+            if !starts_here {
+                find.stage(Stage::ContactSolve.name());
+            }
             self.rest.record(device, &mut find, &solve.problem);
         }
         let own = self.record_solving(model, period, false)?;
@@ -40,10 +47,12 @@ impl Gpu {
     fn record_solving(&self, model: &Model, period: u64, is_landing: bool) -> Result<Solving, Fault> {
         let Gpu { device, kernels, collision, solve, .. } = self;
         let mut start = Commands::new();
-        start.stage(Stage::Force.name());
-        force::record(device, kernels, &mut start, model, (&collision.bodies, &solve.problem.free))?;
-        if let Some(impacts) = &self.impacts {
-            impacts.record(device, &mut start, &solve.problem);
+        if self.before.from <= Stage::Force {
+            start.stage(Stage::Force.name());
+            force::record(device, kernels, &mut start, model, (&collision.bodies, &solve.problem.free))?;
+            if let Some(impacts) = &self.impacts {
+                impacts.record(device, &mut start, &solve.problem);
+            }
         }
         if let Some(mechanism) = &self.mechanism {
             start.stage(Stage::JointWrite.name());
@@ -67,19 +76,24 @@ impl Gpu {
         let Gpu { device, kernels, collision, warm_start, solve, overlaps, survey, .. } = self;
         let (problem, room) = (&solve.problem, collision.room());
         let mut commands = Commands::new();
-        let c = &mut commands;
-        solve.record_end(device, c, is_landing);
-        match recovery {
-            Some(period) => overlaps.record(device, kernels, c, model, (problem, period))?,
-            None => overlaps.record_none(c),
+        let (c, from) = (&mut commands, self.before.from);
+        let solves = from < Stage::Integrate;
+        if solves {
+            solve.record_end(device, c, is_landing);
+            match recovery {
+                Some(period) => overlaps.record(device, kernels, c, model, (problem, period))?,
+                None => overlaps.record_none(c),
+            }
         }
         c.stage(Stage::Integrate.name());
-        if let Some(mechanism) = &self.mechanism {
+        if let Some(mechanism) = self.mechanism.as_ref().filter(|_| solves) {
             mechanism.record_effect(device, c, (problem, overlaps));
         }
         let bodies = &collision.bodies;
         integrate::record(device, kernels, c, (model, bodies), (problem, overlaps, room))?;
-        warm_start.record_keep(device, c, collision.columns(), (problem.impulses(), room));
+        if from <= Stage::WarmStart {
+            warm_start.record_keep(device, c, collision.columns(), (problem.impulses(), room));
+        }
         survey.record(device, kernels, c, (model, bodies), (problem, room))?;
         Ok(commands)
     }

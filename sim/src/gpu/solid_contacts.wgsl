@@ -50,18 +50,17 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     } else {
         reach += bitcast<f32>(params[1]);
     }
-    let first = place[k];
-    // Pairs without points, and where there is no room.
-    let writes = params[2] == 1u;
-    if writes && (place[k + 1u] == first || place[k + 1u] > n_contacts[0]) {
+    // Pairs without points, and where there is no room. What is asked for again below would be in registers during the search.
+    if params[2] == 1u && (place[k + 1u] == place[k] || place[k + 1u] > n_contacts[0]) {
         return;
     }
     let origin = position[sphere[pair.x].body];
     let n = points_of(pair, origin, fine, reach);
-    if !writes {
+    if params[2] != 1u {
         place[k] = n;
         return;
     }
+    let first = place[k];
     for (var j = 0u; j < n; j++) {
         put_contact(first + j, pair, found[j]);
     }

@@ -1,5 +1,6 @@
 //! The collision of spheres on a device against the CPU back end's, on random and on adverse beds.
 
+mod given;
 mod joints;
 mod long;
 mod solids;

@@ -2,7 +2,7 @@
 // in    moved    [n_tiles]  residual terms squared, m²/s²
 // in    rest     [1]        those of big tiles
 // inout scalars  [1]
-// inout work     [11]       workgroups of each round, of the big tiles, of the joints and of `closing`
+// inout work     [11]       workgroups of each dispatch of a round, of the big tiles, of the joints and of `closing`
 // in    counts   [2]        n_tiles, n_contacts
 // in    params   [2]        as bits: tolerance (m/s); whether `closing` decides once the iterations of the settings are done
 // Twin: cpu/solve/sweeps.rs

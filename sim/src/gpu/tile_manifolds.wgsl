@@ -19,7 +19,8 @@
 // in    orientation  [n_bodies]    of the principal frames
 // inout roll         [n_contacts]  N m s, world: rolling and spinning impulses on B
 // in    roll_row     [n_contacts]
-// in    params       [4]           round, sweeps, whether Coulomb's law is exact, and as bits ω
+// in    params       [6]           round, sweeps, whether Coulomb's law is exact, as bits ω, and the index of this dispatch and the number of
+//                                dispatches of a round
 // Twin: cpu/solve/sweeps.rs
 #import sphere
 #import manifold
@@ -100,7 +101,7 @@ fn visit_pair(pair: u32, of_tile: u32, is_exact: bool, omega: f32) -> f32 {
 
 @compute @workgroup_size(128)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-    let tile = round_start[params[0]] + group.x + group.y * 65535u;
+    let tile = round_start[params[0]] + (group.x + group.y * 65535u) * params[5] + params[4];
     if tile >= round_start[params[0] + 1u] {
         return;
     }

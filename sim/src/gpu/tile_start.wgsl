@@ -1,10 +1,10 @@
 // Gauss–Seidel begins: the most iterations, and the workgroups of an iteration.
 // inout scalars      [1]
-// out   work         [11]  workgroups of each round, of the big tiles, of the joints and of `closing`
+// out   work         [11]  workgroups of each dispatch of a round, of the big tiles, of the joints and of `closing`
 // in    round_start  [10]  first tile of each round
 // in    n_big        [1]
 // in    count        [1]   n_contacts
-// in    params       [1]   the most iterations, 0 for the default
+// in    params       [2]   the most iterations, 0 for the default; the number of dispatches of a round
 #import scalars
 
 @group(0) @binding(0) var<storage, read_write> scalars: array<Scalars>;
@@ -24,7 +24,8 @@ fn main(@builtin(local_invocation_index) thread: u32) {
         scalars[0].residual = 0.0;
     }
     if thread < 8u {
-        let groups = select(0u, round_start[thread + 1u] - round_start[thread], n > 0u);
+        let n_tiles = select(0u, round_start[thread + 1u] - round_start[thread], n > 0u);
+        let groups = (n_tiles + params[1] - 1u) / params[1];
         work[thread] = vec4(min(groups, 65535u), groups / 65535u + select(0u, 1u, groups % 65535u != 0u), 1u, 0u);
     }
     if thread == 8u {

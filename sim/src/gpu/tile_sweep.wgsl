@@ -15,7 +15,8 @@
 // inout motion       [n_bodies]    m/s, rad/s
 // inout gamma        [n_contacts]  N s, world
 // out   moved        [n_tiles]     residual terms of the first sweep squared, m²/s²
-// in    params       [4]           round, sweeps, whether Coulomb's law is exact, and as bits ω
+// in    params       [6]           round, sweeps, whether Coulomb's law is exact, as bits ω, and the index of this dispatch and the number of
+//                                dispatches of a round
 // Twin: cpu/solve/sweeps.rs
 #import sphere
 #import visit
@@ -134,7 +135,7 @@ fn visit(own: ptr<function, Own>) -> f32 {
 
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-    let tile = round_start[params[0]] + group.x + group.y * 65535u;
+    let tile = round_start[params[0]] + (group.x + group.y * 65535u) * params[5] + params[4];
     if tile >= round_start[params[0] + 1u] {
         return;
     }

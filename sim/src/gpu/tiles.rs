@@ -34,7 +34,7 @@ const LEAST_EDGE: f64 = 2.5;
 const MOST_BODIES: [u32; 2] = [480, 256];
 
 /// Pairs that there is room for, to a dispatch that colours tiles, on a software adapter: more would keep it for too long.
-const PIECE: usize = 50_000;
+const PIECE: usize = 12_500;
 
 /// The tiles, with room for as many pairs as there is.
 pub struct Tiles {
@@ -63,7 +63,7 @@ pub struct Tiles {
     compact: [Compact; 2],
     groups: [Groups; 2],
     /// Number of dispatches that colour the tiles, each of them some.
-    n_pieces: usize,
+    pub n_pieces: u32,
     home: Buffer<u32>,
     key: Buffer<u32>,
     id: Buffer<u32>,
@@ -107,7 +107,7 @@ impl Tiles {
         let edge = (CROWD * spheres.volume).cbrt().max(LEAST_EDGE * spheres.width);
         let edge_bits = if edge < 4.0 * spheres.width { 1 } else { 2 };
         let is_any = bodies.layout.narrow == Narrow::Any;
-        let n_pieces = if device.adapter.software { room.div_ceil(PIECE) } else { 1 };
+        let n_pieces = if device.adapter.software { room.div_ceil(PIECE) as u32 } else { 1 };
         Ok(Tiles {
             first: column("tile_first")?,
             n: Count::found(device, room)?,
@@ -129,7 +129,7 @@ impl Tiles {
             },
             sort: RadixSort::new(device, kernels, room)?,
             compact: [compact()?, compact()?],
-            groups: [Groups::new(device, kernels, ROWS)?, Groups::new(device, kernels, n_pieces)?],
+            groups: [Groups::new(device, kernels, ROWS)?, Groups::new(device, kernels, n_pieces as usize)?],
             n_pieces,
             home: Buffer::of(device, "home", &home)?,
             key: column("tile_key")?,
@@ -185,8 +185,8 @@ impl Tiles {
         let from = [sorted, sphere, fixture, activity, first, n_tiles, n_pairs, start];
         let out = [pairs, color, self.local.bind(), self.body.bind(), size, is_big];
         let bound: Vec<Bound> = from.into_iter().chain(out).collect();
-        for piece in 0..self.n_pieces as u32 {
-            let params = [self.most_bodies, piece, self.n_pieces as u32];
+        for piece in 0..self.n_pieces {
+            let params = [self.most_bodies, piece, self.n_pieces];
             commands.dispatch(device, &kernels.color, &bound, &params, of_tiles.of_level(&self.n_colored, 0));
         }
         self.compact[1].record(device, commands, &self.is_big, &self.n_colored, &self.big, &self.n_big);

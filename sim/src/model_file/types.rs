@@ -8,6 +8,7 @@ pub use bodies::*;
 pub use fills::*;
 pub use joints::*;
 
+use crate::stages::Stage;
 use crate::{Quality, SolverSettings};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -117,6 +118,9 @@ with_content! {
         /// Values that are not finite always stop the run.
         #[serde(default, skip_serializing_if = "OnDivergence::is_default")]
         pub on_divergence: OnDivergence,
+        /// First stage of the step that a graphics adapter runs: those before it are the processor's, to tell in which of them a fault is.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub gpu_from: Option<Stage>,
         /// Another run, whose bodies at its last checkpoint are in this model from the start.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub base: Option<BaseFile>,

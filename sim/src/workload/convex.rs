@@ -80,7 +80,7 @@ fn pile(model: &mut ModelBuilder, n: usize) {
 }
 
 /// A floor and four walls of a square of this edge length, m.
-fn walls(model: &mut ModelBuilder, material: &str, length: f64) {
+pub fn walls(model: &mut ModelBuilder, material: &str, length: f64) {
     let walls = [
         ([0.0; 3], [0.0, 0.0, 1.0]),
         ([0.0; 3], [1.0, 0.0, 0.0]),

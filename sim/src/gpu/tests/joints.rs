@@ -12,7 +12,7 @@ use std::path::Path;
 const HEAD: &str =
     "name: test\nstep: 0.001\nduration: 1\nframe_rate: 10\nmaterials: {m: {density: 800, friction: 0.4}}\n";
 
-fn resolved(text: String) -> (Model, State) {
+pub fn resolved(text: String) -> (Model, State) {
     let (file, doc) = yaml::parse::<ModelFile>(Path::new("test.yaml"), text).expect("sound YAML");
     let resolved = file.resolve(&doc).unwrap_or_else(|e| panic!("{e}"));
     (resolved.model, resolved.state)

@@ -73,17 +73,21 @@ fn both(model: &Model, state: &State) -> Option<[BTreeMap<[u32; 3], Vec<Found>>;
 }
 
 /// Hold the points against each other: the least gap of every pair to `gap`, m, its normal to `turn`, unless another direction is as
-/// near; and of a share `same` of the pairs all points, by their features. What touches a seam of two triangles may be given to either. Pairs deeper than `deep`, m, only overlap. Returns the number
-/// of pairs.
+/// near; of nearly all pairs the places of all points, and of a share `same` their features, too. A point on the side of a face that clips, as
+/// each on an edge of a hull is, is a corner of the other shape, where this side cuts an edge of it, or the nearest point alone: rounding tells
+/// which, and so its name. What touches a seam of two triangles may be given to either. Pairs deeper than `deep`, m, only overlap. Returns the
+/// number of pairs.
 pub fn hold(model: &Model, state: &State, [gap, turn, same, deep]: [f64; 4]) -> usize {
     let Some([own, expected]) = both(model, state) else { return usize::MAX };
     let least = |points: &[Found]| points.iter().copied().min_by(|p, q| p.1.total_cmp(&q.1)).unwrap();
+    /// Share of the pairs whose points are in the same places.
+    const PLACED: f64 = 0.97;
     let margin = |s: u32| {
         let b = model.shape_body[s as usize] as usize;
         let arm = model.shape_pose[s as usize].position.length() + model.shape_size[s as usize].length();
         model.envelope + (state.velocity[b].length() + state.angular_velocity[b].length() * arm) * model.step
     };
-    let (mut n_same, mut n_turned, mut n, mut n_seams) = (0, 0, 0, 0);
+    let (mut n_same, mut n_placed, mut n_turned, mut n, mut n_seams) = (0, 0, 0, 0, 0);
     let is_triangle = |key: &[u32; 3]| key[..2].iter().any(|s| model.shape_kind[*s as usize].is_surface());
     for (shapes, points) in &expected {
         let reach = margin(shapes[0]) + margin(shapes[1]);
@@ -114,6 +118,9 @@ pub fn hold(model: &Model, state: &State, [gap, turn, same, deep]: [f64; 4]) -> 
                 .iter()
                 .all(|p| found.iter().any(|q| p.3 == q.3 && (p.1 - q.1).abs() < gap && (p.2 - q.2).length() < 1e-3));
         n_same += is_same as usize;
+        let is_at = |p: &Found, q: &Found| (p.1 - q.1).abs() < gap && (p.2 - q.2).length() < 1e-3;
+        let are_at = |some: &[Found], others: &[Found]| some.iter().all(|p| others.iter().any(|q| is_at(p, q)));
+        n_placed += (are_at(points, found) && are_at(found, points)) as usize;
     }
     for (shapes, points) in own.iter().filter(|(shapes, _)| !expected.contains_key(*shapes)) {
         let reach = margin(shapes[0]) + margin(shapes[1]);
@@ -124,10 +131,11 @@ pub fn hold(model: &Model, state: &State, [gap, turn, same, deep]: [f64; 4]) -> 
         assert!(least(points).1 > reach - gap, "{shapes:?} are none: {points:?}, reach {reach}");
     }
     eprintln!(
-        "{n} pairs, {n_same} with the same points, {n_turned} with another normal, {n_seams} at seams of one alone"
+        "{n} pairs, {n_placed} with points in the same places, {n_same} of the same names, too, {n_turned} with another normal, {n_seams} at seams of one alone"
     );
     let is_most = |k: usize| k as f64 >= same * n as f64;
     assert!(is_most(n_same) && is_most(n - n_turned), "{n_same} of {n}, {n_turned} turned");
+    assert!(n_placed as f64 >= PLACED * n as f64, "{n_placed} of {n} have points in the same places");
     assert!(is_most(n.saturating_sub(n_seams)), "{n_seams} of {n} at seams");
     n
 }

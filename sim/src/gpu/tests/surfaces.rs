@@ -34,7 +34,7 @@ fn waves() -> Surface {
 }
 
 /// Bodies over a height field, in which a block of triangles stands, somewhere in the world.
-fn over_ground(shapes: impl Fn(usize) -> ShapeFile, n: usize, at: DVec3) -> (Model, State) {
+pub fn over_ground(shapes: impl Fn(usize) -> ShapeFile, n: usize, at: DVec3) -> (Model, State) {
     let mut builder = ModelBuilder::new("ground");
     builder.material("stone", 2600.0, 0.5);
     // The field comes before the bodies that move, the block after them.
@@ -180,7 +180,7 @@ fn fall(model: &mut Model, state: &State, (method, tolerance): (Method, f64), st
 }
 
 /// Place the bodies that move in layers over the ground, falling.
-fn layers(model: &Model, state: &mut State, n: usize) {
+pub fn layers(model: &Model, state: &mut State, n: usize) {
     let mut random = SplitMix64(3);
     for k in 0..n {
         let b = model.body_names[&format!("s{k}")] as usize;
@@ -200,7 +200,7 @@ fn steps_of_spheres_on_surfaces_are_those_of_the_cpu() {
     }
 }
 
-fn solids(k: usize) -> ShapeFile {
+pub fn solids(k: usize) -> ShapeFile {
     match k % 7 {
         0 => ShapeFile::cuboid([0.1, 0.12, 0.08]),
         1 => ShapeFile::capsule(0.04, 0.1),

@@ -5,6 +5,7 @@ use crate::fill::SplitMix64;
 use crate::gpu::collision::Collision;
 use crate::model_file::ShapeFile;
 use crate::simulation::Simulation;
+use crate::stages::{PARITY, Stage};
 use crate::workload::{self, Workload, build};
 use crate::{Method, Model, ModelBuilder, SolverSettings, State};
 use glam::{DQuat, DVec3};
@@ -12,13 +13,18 @@ use gpu::{Choice, Device};
 
 /// A simulation on the device that tests have; none without an adapter.
 pub fn on_device(model: &Model, state: &State) -> Option<Simulation> {
+    on_device_from(Stage::Bounds, model, state)
+}
+
+/// The same, with the stages before one on the processor.
+pub fn on_device_from(from: Stage, model: &Model, state: &State) -> Option<Simulation> {
     device()?;
     let device = Device::open(&Choice::Any).unwrap();
-    Some(Simulation::on_device(model.clone(), state.clone(), device).unwrap())
+    Some(Simulation::on_device_from(from, model.clone(), state.clone(), device).unwrap())
 }
 
 /// A bed of spheres that falls together and onto the floor, with a box in the way.
-fn bed(n: usize, solver: SolverSettings) -> (Model, State) {
+pub fn bed(n: usize, solver: SolverSettings) -> (Model, State) {
     let (mut model, mut state) = build(Workload::S, n, solver, 1e-3);
     let mut random = SplitMix64(4);
     for b in 0..model.n_bodies() {
@@ -64,7 +70,7 @@ fn steps_of_a_bed_are_those_of_the_cpu() {
         }
         own.fetch().unwrap();
         let off = apart(&own.state, &cpu.state);
-        assert!(n_contacts > 200 && off < 1e-4, "{method:?}: {n_contacts} contacts, {off} m");
+        assert!(n_contacts > 200 && off < PARITY, "{method:?}: {n_contacts} contacts, {off} m");
         let energies = [&own, &cpu].map(|s| s.state.kinetic_energy(&s.model));
         assert!((energies[0] / energies[1] - 1.0).abs() < 0.01, "{method:?}: {energies:?}");
     }
