@@ -180,7 +180,7 @@ fn names_that_requests_take_are_known_and_others_are_refused_or_warned_of() {
         ("bezier b-spline catmull-rom hermite power", "Basis \"NAME\" 3 \"NAME\" 3"),
         ("bilinear", &format!("Patch \"NAME\" {net}")),
         ("periodic nonperiodic", &format!("PatchMesh \"bilinear\" 2 \"nonperiodic\" 2 \"NAME\" {net}")),
-        ("primitive union intersection difference", "SolidBegin \"NAME\" SolidEnd"),
+        ("primitive union intersection difference", "SolidBegin \"NAME\" Sphere 1 -1 1 360 SolidEnd"),
         ("linear", "Curves \"NAME\" [2] \"nonperiodic\" \"P\" [0 0 0 1 0 0]"),
         ("catmull-clark", &format!("SubdivisionMesh \"NAME\" {}", mesh.replace("NAME", "interpolateboundary"))),
         ("interpolateboundary", &format!("SubdivisionMesh \"catmull-clark\" {mesh}")),

@@ -34,6 +34,7 @@ mod movies;
 mod outputs;
 mod overlays;
 mod pages;
+mod perspective;
 mod pipeline;
 mod plots;
 mod projects;
