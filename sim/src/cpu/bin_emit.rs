@@ -90,7 +90,7 @@ impl BoxStatistics {
 }
 
 /// Log₂ of the number of bins along the edge of a brick, which is about a dozen grains long.
-const BRICK: u32 = 2;
+const BRICK: u32 = 3;
 /// Maximum number of bins.
 const MAX_BINS: f32 = 16_000_000.0;
 

@@ -34,7 +34,7 @@ use crate::lanes::widest;
 use crate::manifolds::{Manifolds, TileManifolds};
 use crate::model::Model;
 use crate::plan::{Narrow, StepPlan};
-use crate::rows::{CHUNK, SERIAL_LIMIT, cut, fill_rows};
+use crate::rows::{CHUNK, cut, fill_rows};
 use crate::shape::ShapeKind;
 use crate::sphere::Sphere;
 use crate::state::State;
@@ -169,7 +169,7 @@ fn find_and_write<A: Copy + Default + Send>(
     ),
 ) {
     let n_tiles = pairs.n_tiles();
-    let is_serial = pairs.spheres.len() + pairs.others.len() < SERIAL_LIMIT;
+    let is_serial = pairs.spheres.len() + pairs.others.len() < 4 * CHUNK;
     let min_len = if is_serial { n_tiles.max(1) } else { 1 };
     let Touching { place, n, balls, others, manifolds } = touching;
     manifolds.tiles.resize_with(n_tiles, TileManifolds::default);

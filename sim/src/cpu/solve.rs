@@ -14,7 +14,6 @@ pub mod cells;
 pub mod cone;
 mod descend;
 pub mod exact;
-mod flow;
 mod gauss_seidel;
 mod group;
 pub mod iterates;

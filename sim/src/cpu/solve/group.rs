@@ -23,9 +23,6 @@ pub trait Group<T: Grouped<L>, const L: usize>: Copy + Send + Sync {
         is_exact: bool,
     );
 
-    /// Let the lanes refer to the motions at the places of their bodies.
-    fn place(&mut self, place: &[u32]);
-
     /// Impulse of contact `k` of the block in a lane.
     fn gamma(&self, l: usize, k: usize) -> DVec3;
 
@@ -52,11 +49,6 @@ pub mod act {
     pub const RELAXED: u8 = 1;
     /// Solve its problem with exact friction.
     pub const EXACT: u8 = 2;
-}
-
-/// The places of lanes' bodies.
-pub fn placed<const L: usize>(bodies: &[[u32; 2]; L], place: &[u32]) -> [[u32; 2]; L] {
-    bodies.map(|pair| pair.map(|body| place[body as usize]))
 }
 
 /// The velocities of a body with its reciprocal mass and moment of inertia, in one cache line.

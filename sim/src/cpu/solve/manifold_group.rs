@@ -206,10 +206,6 @@ impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for ManifoldGrou
         self.moves = op.all_move(self.bodies.as_flattened());
     }
 
-    fn place(&mut self, place: &[u32]) {
-        self.bodies = group::placed(&self.bodies, place);
-    }
-
     fn gamma(&self, l: usize, k: usize) -> DVec3 {
         DVec3::from_array(self.contacts[k].gamma.map(|x| x[l].wide()))
     }

@@ -6,7 +6,6 @@
 //! all threads together.
 
 use super::cells::Cells;
-use super::flow::{Flow, NO_TILE};
 use crate::contacts::{Contacts, rest_of, rounds_of};
 use crate::rows::{SERIAL_LIMIT, reduce_tasks};
 use gpu::radix_sort::distribute_cpu;
@@ -146,22 +145,9 @@ pub struct Tiled {
     pub rounds: [Vec<Colored>; 2],
     /// The blocks in no tile.
     pub shared: Colored,
-    /// Which tiles have moving bodies in common; the blocks in no tile are as a last one.
-    pub flow: Flow,
-    /// The tile of each body in each round, counted on from round to round.
-    tile_of: [Vec<u32>; 3],
-    /// The bodies by their first tiles, those of none at the end (n_bodies): what a thread visits lies together.
-    pub order: Vec<u32>,
-    /// The place of each body in `order`; the one after the last is that of no body (n_bodies + 1).
-    pub place: Vec<u32>,
 }
 
 impl Tiled {
-    /// The blocks of each colour of each tile of both rounds, and of those in no tile.
-    pub fn colors(&self) -> impl Iterator<Item = &[u32]> {
-        self.rounds.iter().flatten().chain([&self.shared]).flat_map(Colored::colors)
-    }
-
     /// Colour the blocks tile by tile.
     pub fn fill(&mut self, contacts: &Contacts, blocks: &Blocks, inv_mass: &[f64]) {
         let moving = |body: u32| (inv_mass[body as usize] > 0.0).then_some(body);
@@ -169,45 +155,16 @@ impl Tiled {
         let length = |block: u32| blocks.contacts(block).len();
         let (starts, n_first) = (blocks.starts(contacts), contacts.tiles.n_first);
         let mut taken = vec![0; inv_mass.len()];
-        let mut n_tiles = 0;
-        for tile_of in &mut self.tile_of {
-            tile_of.clear();
-            tile_of.resize(inv_mass.len(), NO_TILE);
-        }
-        let [of_first, of_second, of_shared] = &mut self.tile_of;
-        let own = |blocks: Range<u32>, tile: u32, tile_of: &Cells<u32>| {
-            for body in blocks.flat_map(bodies).flatten() {
-                // SAFETY: no other thread touches the entries of the tile's moving bodies.
-                unsafe { tile_of.set(body as usize, tile) };
-            }
-        };
-        let rounds = self.rounds.iter_mut().zip(rounds_of(starts, n_first)).zip([of_first, of_second]);
-        for ((tiles, start), tile_of) in rounds {
+        for (tiles, start) in self.rounds.iter_mut().zip(rounds_of(starts, n_first)) {
             taken.fill(0);
-            let (taken, tile_of) = (Cells::new(&mut taken), Cells::new(tile_of));
+            let taken = Cells::new(&mut taken);
             tiles.resize_with(start.len() - 1, Colored::default);
-            let each = tiles.par_iter_mut().zip(start.par_windows(2)).enumerate().with_max_len(1);
-            each.for_each(|(tile, (colored, ends))| {
-                own(ends[0]..ends[1], n_tiles + tile as u32, &tile_of);
-                // SAFETY: the tiles of a round have no moving body in common.
-                unsafe { colored.fill(ends[0]..ends[1], bodies, length, &taken) }
-            });
-            n_tiles += tiles.len() as u32;
+            let each = tiles.par_iter_mut().zip(start.par_windows(2)).with_max_len(1);
+            // SAFETY: the tiles of a round have no moving body in common.
+            each.for_each(|(colored, ends)| unsafe { colored.fill(ends[0]..ends[1], bodies, length, &taken) });
         }
         taken.fill(0);
-        own(rest_of(starts), n_tiles, &Cells::new(of_shared));
         // SAFETY: no other thread is at work.
         unsafe { self.shared.fill(rest_of(starts), bodies, length, &Cells::new(&mut taken)) };
-        let [n_first, end] = [self.rounds[0].len(), n_tiles as usize];
-        self.flow.fill([0, n_first, end, end + 1], self.tile_of.each_ref().map(|tile_of| &tile_of[..]));
-        let first_of = |body: u32| self.tile_of.each_ref().map(|tile_of| tile_of[body as usize]).into_iter().min();
-        let n_bodies = inv_mass.len() as u32;
-        let items = || (0..n_bodies).map(|body| (first_of(body).unwrap_or(NO_TILE).min(n_tiles + 1), body));
-        distribute_cpu(n_tiles as usize + 2, items, &mut vec![], &mut self.order);
-        self.place.resize(n_bodies as usize + 1, n_bodies);
-        for (body, place) in self.order.iter().zip(0..) {
-            self.place[*body as usize] = place;
-        }
-        self.place[n_bodies as usize] = n_bodies;
     }
 }

@@ -9,7 +9,6 @@
 
 use super::bodies::BodyOperator;
 use super::cells::Cells;
-use super::flow::{self, Flow};
 use super::group::{self, Group, Grouped, Motion, act};
 use super::manifold_group::ManifoldGroup;
 use super::operator::Operator;
@@ -107,17 +106,18 @@ where
     ) -> Outcome {
         let Precisions { coarse, fine } = self;
         let is_exact = settings.friction == FrictionLaw::Exact;
-        let course = Course::of(settings, op, gamma.len());
+        let closing = settings.overlap_tolerance.map_or(f64::INFINITY, |overlap| overlap / op.recovery.step);
+        let lost = settings.residual_bound(op.least_slip);
         let mut outcome = Outcome { iterations: 0, residual: f64::INFINITY };
         if op.joints.rows.is_empty() {
             coarse.fill(op, at, gamma, is_exact);
-            if let Some(factor) = excess(op, |b| coarse.twist(at.1, b), |b| op.free(b)) {
+            if let Some(factor) = excess(op, |b| coarse.motion[b].twist(), |b| op.free(b)) {
                 gamma.iter_mut().for_each(|g| *g *= factor);
                 coarse.fill(op, at, gamma, is_exact);
             }
             let tolerance = COARSE * coarse.max_speed() / (gamma.len() as f64).sqrt();
-            let course = Course { tolerance: settings.tolerance.max(tolerance), ..course };
-            outcome = coarse.sweeps(&course, &at.1.flow);
+            let stops = [settings.tolerance.max(tolerance), closing, lost];
+            coarse.sweeps(settings, gamma.len(), stops, &mut outcome, |_| ());
             coarse.unpack(at, op.contacts.len(), gamma);
         } else if gamma.len() > settings.max_iterations(gamma.len()) as usize {
             op.response(&vec![DVec3::ZERO; gamma.len()], response);
@@ -128,22 +128,19 @@ where
             }
         }
         op.joints.reset(response);
-        if outcome.iterations < course.max && outcome.residual > settings.tolerance {
+        if outcome.iterations < settings.max_iterations(gamma.len()) && outcome.residual > settings.tolerance {
             fine.fill(op, at, gamma, is_exact);
-            let course = Course { begun: outcome.iterations, ..course };
-            outcome = if op.joints.rows.is_empty() {
-                fine.sweeps(&course, &at.1.flow)
-            } else {
-                let mut solve_joints = |fine: &mut Packed<f64, 4, F>| {
-                    fine.store(at.1, response);
+            let mut solve_joints = |fine: &mut Packed<f64, 4, F>| {
+                if !op.joints.rows.is_empty() {
+                    fine.store(response);
                     op.solve_joints(response);
-                    fine.load(at.1, response);
-                };
-                solve_joints(fine);
-                fine.sweeps_in_turn(&course, solve_joints)
+                    fine.load(response);
+                }
             };
+            solve_joints(fine);
+            fine.sweeps(settings, gamma.len(), [settings.tolerance, closing, lost], &mut outcome, solve_joints);
             fine.unpack(at, op.contacts.len(), gamma);
-            fine.store(at.1, response);
+            fine.store(response);
         } else {
             op.response(gamma, response);
         }
@@ -177,109 +174,11 @@ fn excess(
     factor.is_finite().then(|| factor.max(0.0))
 }
 
-/// The course of the sweeps of a solve: over all tiles until the residual is within the tolerance, or the maximum number of iterations. While a
-/// gap then still closes by more than its width faster than at `closing`, or the residual is above `lost`, sweeps over the tiles with such gaps
-/// alternate with those over all, which are not over-relaxed, so that the last impulses are in their cones; not where `closing` is infinite.
-#[derive(Clone, Copy)]
-struct Course {
-    friction: FrictionLaw,
-    omega: f64,
-    /// The maximum number of iterations, and that of those before these sweeps.
-    max: u32,
-    begun: u32,
-    /// m/s.
-    tolerance: f64,
-    /// m/s.
-    closing: f64,
-    /// m/s.
-    lost: f64,
-    /// Number of multipliers.
-    n: usize,
-}
-
-impl Course {
-    /// Sweeps over some tiles between two over all.
-    const LOCAL: u32 = 3;
-    /// One sweep over all tiles.
-    const ONCE: Course = Course {
-        friction: FrictionLaw::Relaxed,
-        omega: 1.0,
-        max: 1,
-        begun: 0,
-        tolerance: 0.0,
-        closing: f64::INFINITY,
-        lost: f64::INFINITY,
-        n: 1,
-    };
-
-    fn of(settings: &SolverSettings, op: &BodyOperator, n: usize) -> Course {
-        Course {
-            friction: settings.friction,
-            omega: settings.omega.unwrap_or(1.0),
-            max: settings.max_iterations(n),
-            begun: 0,
-            tolerance: settings.tolerance,
-            closing: settings.overlap_tolerance.map_or(f64::INFINITY, |overlap| overlap / op.recovery.step),
-            lost: settings.residual_bound(op.least_slip),
-            n,
-        }
-    }
-
-    /// The most sweeps that are over all tiles one after the other.
-    fn in_a_row(&self) -> u32 {
-        self.max.saturating_sub(self.begun)
-    }
-
-    /// The most sweeps.
-    fn most(&self) -> u32 {
-        let beyond = if self.closing.is_finite() { (SolverSettings::BEYOND - 1) * self.max } else { 0 };
-        self.in_a_row() + beyond * (Self::LOCAL + 1)
-    }
-
-    /// Whether a sweep waits for what those before have left: it is the first one over some tiles.
-    fn waits(&self, sweep: u32) -> bool {
-        sweep.checked_sub(self.in_a_row()).is_some_and(|beyond| beyond.is_multiple_of(Self::LOCAL + 1))
-    }
-
-    /// Whether a sweep is over all tiles.
-    fn is_over_all(&self, sweep: u32) -> bool {
-        sweep < self.in_a_row() || self.waits(sweep + 1)
-    }
-
-    /// The relaxation factor of a sweep, and the speed of closing, m/s, in the tiles that it visits.
-    fn of_sweep(&self, sweep: u32) -> [f64; 2] {
-        match self.is_over_all(sweep) {
-            true => [if self.closing.is_finite() { self.omega.min(1.0) } else { self.omega }, 0.0],
-            false => [self.omega, self.closing],
-        }
-    }
-
-    /// Whether what a sweep has left is enough: the residual terms of the blocks at the time of their visits, squared and summed, and the
-    /// greatest speed at which a gap closed, m/s.
-    fn is_enough(&self, sweep: u32, [residual2, fastest]: [f64; 2]) -> bool {
-        let residual = self.residual(residual2);
-        let is_calm = fastest <= self.closing && residual <= self.lost || self.closing.is_infinite();
-        self.is_over_all(sweep) && (residual <= self.tolerance || sweep + 1 >= self.in_a_row() && is_calm)
-    }
-
-    fn residual(&self, residual2: f64) -> f64 {
-        residual2.sqrt() / self.n as f64
-    }
-
-    /// The outcome of so many sweeps, of which the last has left that.
-    fn outcome(&self, n_sweeps: u32, left: [f64; 2]) -> Outcome {
-        let in_a_row = self.in_a_row().min(n_sweeps);
-        let iterations = self.begun + in_a_row + (n_sweeps - in_a_row) / (Self::LOCAL + 1);
-        Outcome { iterations, residual: self.residual(left[0]) }
-    }
-}
-
 /// All blocks in groups, and the motions of the bodies.
 struct Packed<T, const L: usize, G> {
     groups: Vec<G>,
     /// Number of groups of each tile of both rounds, and of each colour of the blocks in no tile.
     n_groups: [Vec<usize>; 3],
-    /// The motions of the bodies at their places, and one of none.
     motion: Vec<Motion<T>>,
     /// The greatest speed at which a gap closed in each tile of both rounds when it was visited last, m/s.
     fastest: [Vec<f64>; 2],
@@ -294,14 +193,6 @@ impl<T, const L: usize, G> Default for Packed<T, L, G> {
 /// Number of groups up to which one thread visits them.
 const SERIAL_LIMIT: usize = 512;
 
-/// Number of groups that one task packs.
-const TASK: usize = 32;
-
-/// The least number of tasks that a thread packs, of so many groups.
-fn min_tasks(n_groups: usize) -> usize {
-    if n_groups < SERIAL_LIMIT { SERIAL_LIMIT / TASK } else { 1 }
-}
-
 impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
     /// Pack the blocks with the impulses γ, project these onto their cones, and compute the motions of the bodies with them.
     fn fill(&mut self, op: &BodyOperator, (blocks, tiled): (&Blocks, &Tiled), gamma: &[DVec3], is_exact: bool) {
@@ -314,27 +205,16 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
         if self.groups.len() < n_groups {
             self.groups.resize(n_groups, G::empty(n_bodies));
         }
-        let lanes: Vec<&[u32]> = tiled.colors().flat_map(|color| color.chunks(L)).collect();
-        let pack = |groups: &mut [G], lanes: &[&[u32]]| {
-            for (group, lanes) in groups.iter_mut().zip(lanes) {
-                group.fill(op, lanes.iter().map(|block| blocks.contacts(*block)), gamma, is_exact);
-                group.place(&tiled.place);
-            }
-        };
-        self.motion.resize(n_bodies + 1, Motion::default());
-        fill_rows(&mut self.motion[..n_bodies], |place| {
-            let b = tiled.order[place] as usize;
-            Motion::of(&op.free(b), masses.inv_mass[b], masses.inv_moment[b])
-        });
-        if self.can_flow() {
-            // By the threads that will visit them.
-            let pack = |first: usize, groups: &mut [G]| pack(groups, &lanes[first..]);
-            self.flow::<{ act::APPLY }>(&tiled.flow, &Course::ONCE, pack);
-        } else {
-            let tasks = self.groups[..n_groups].par_chunks_mut(TASK).zip(lanes.par_chunks(TASK));
-            tasks.with_min_len(min_tasks(n_groups)).for_each(|(groups, lanes)| pack(groups, lanes));
-            self.visit::<{ act::APPLY }>(1.0, 0.0);
+        let [first, second, shared] = self.parts();
+        for (parts, tiles) in [first, second].into_iter().zip(&tiled.rounds) {
+            let tiles = parts.into_par_iter().zip(tiles).with_max_len(1);
+            tiles.for_each(|(groups, tile)| pack(groups, tile.colors(), op, blocks, gamma, is_exact));
         }
+        let colors = shared.into_iter().zip(tiled.shared.colors());
+        colors.for_each(|(groups, color)| pack(groups, [color].into_iter(), op, blocks, gamma, is_exact));
+        self.motion.resize(n_bodies + 1, Motion::default());
+        fill_rows(&mut self.motion[..n_bodies], |b| Motion::of(&op.free(b), masses.inv_mass[b], masses.inv_moment[b]));
+        self.visit::<{ act::APPLY }>(1.0, 0.0);
     }
 
     /// The groups of each tile of both rounds, and of each colour of the blocks in no tile.
@@ -348,21 +228,16 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
     }
 
     /// Load the motions of the bodies from a response.
-    fn load(&mut self, tiled: &Tiled, response: &Response) {
-        for (motion, b) in self.motion.iter_mut().zip(&tiled.order) {
-            *motion = Motion::of(&response.twist[*b as usize], motion.row[3].wide(), motion.row[7].wide());
+    fn load(&mut self, response: &Response) {
+        for (motion, twist) in self.motion.iter_mut().zip(&response.twist) {
+            *motion = Motion::of(twist, motion.row[3].wide(), motion.row[7].wide());
         }
     }
 
     /// Store the motions of the bodies to a response.
-    fn store(&self, tiled: &Tiled, response: &mut Response) {
+    fn store(&self, response: &mut Response) {
         response.twist.resize(self.motion.len() - 1, Twist::default());
-        fill_rows(&mut response.twist, |b| self.twist(tiled, b));
-    }
-
-    /// The velocities of a body.
-    fn twist(&self, tiled: &Tiled, body: usize) -> Twist {
-        self.motion[tiled.place[body] as usize].twist()
+        fill_rows(&mut response.twist, |b| self.motion[b].twist());
     }
 
     /// Maximum speed of a body, m/s.
@@ -370,89 +245,48 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
         self.motion.iter().fold(0.0f64, |max, m| max.max(m.twist().v.length_squared())).sqrt()
     }
 
-    /// Sweep, tiles waiting for their neighbours alone where that is worth it.
-    fn sweeps(&mut self, course: &Course, flow: &Flow) -> Outcome {
-        if !self.can_flow() {
-            return self.sweeps_in_turn(course, |_| ());
-        }
-        let (n_sweeps, left) = match course.friction {
-            FrictionLaw::Relaxed => self.flow::<{ act::RELAXED }>(flow, course, |_, _| ()),
-            FrictionLaw::Exact => self.flow::<{ act::EXACT }>(flow, course, |_, _| ()),
-        };
-        course.outcome(n_sweeps, left)
-    }
-
-    /// Sweep, one after the other; `solve_joints` follows each.
-    fn sweeps_in_turn(&mut self, course: &Course, mut solve_joints: impl FnMut(&mut Self)) -> Outcome {
-        let (mut n_sweeps, mut left) = (0, [0.0; 2]);
-        while n_sweeps < course.most() {
-            let [omega, least] = course.of_sweep(n_sweeps);
-            left = match course.friction {
-                FrictionLaw::Relaxed => self.visit::<{ act::RELAXED }>(omega, least),
-                FrictionLaw::Exact => self.visit::<{ act::EXACT }>(omega, least),
-            };
+    /// Sweep until the residual is within a tolerance, m/s, or the maximum number of iterations. While a gap then still closes by more than its
+    /// width faster than at `closing`, m/s, or the residual is above `lost`, m/s, sweeps over the tiles with such gaps alternate with those over
+    /// all, which are not over-relaxed, so that the last impulses are in their cones; not where `closing` is infinite. `solve_joints` follows every
+    /// sweep.
+    fn sweeps(
+        &mut self,
+        settings: &SolverSettings,
+        n: usize,
+        [tolerance, closing, lost]: [f64; 3],
+        outcome: &mut Outcome,
+        mut solve_joints: impl FnMut(&mut Self),
+    ) {
+        /// Sweeps over some tiles between two over all.
+        const LOCAL: u32 = 3;
+        let max = settings.max_iterations(n);
+        let omega = settings.omega.unwrap_or(1.0);
+        let of_all = if closing.is_finite() { omega.min(1.0) } else { omega };
+        while outcome.iterations < SolverSettings::BEYOND * max {
+            for _ in 0..if outcome.iterations < max { 0 } else { LOCAL } {
+                self.sweep(settings.friction, omega, closing);
+                solve_joints(self);
+            }
+            // The residual terms of the blocks at the time of their visits, squared and summed.
+            let [residual2, fastest] = self.sweep(settings.friction, of_all, 0.0);
+            *outcome = Outcome { iterations: outcome.iterations + 1, residual: residual2.sqrt() / n as f64 };
             solve_joints(self);
-            n_sweeps += 1;
-            if course.is_enough(n_sweeps - 1, left) {
+            let is_enough = fastest <= closing && outcome.residual <= lost || closing.is_infinite();
+            if outcome.residual <= tolerance || outcome.iterations >= max && is_enough {
                 break;
             }
         }
-        course.outcome(n_sweeps, left)
-    }
-
-    /// Whether tiles are worth waiting for alone: there are many groups, and few of them in no tile, which one thread visits.
-    fn can_flow(&self) -> bool {
-        let [first, second, shared] = self.n_groups.each_ref().map(|n| n.iter().sum::<usize>());
-        first + second >= SERIAL_LIMIT && shared <= (first + second) / 16
-    }
-
-    /// Visit the tiles sweep by sweep, as [`Packed::visit`] does, each waiting for its neighbours alone; `before` gets the first group of a tile and
-    /// its groups before each visit. Returns the number of sweeps and what the last one has left.
-    fn flow<const ACT: u8>(
-        &mut self,
-        flow: &Flow,
-        course: &Course,
-        before: impl Fn(usize, &mut [G]) + Sync,
-    ) -> (u32, [f64; 2]) {
-        let (mut motion, mut fastest) = (std::mem::take(&mut self.motion), std::mem::take(&mut self.fastest));
-        let cells = Cells::new(&mut motion);
-        for (fastest, n_groups) in fastest.iter_mut().zip(&self.n_groups) {
-            fastest.resize(n_groups.len(), 0.0);
-        }
-        let [first, second, shared] = &self.n_groups;
-        let lengths = first.iter().chain(second).copied().chain([shared.iter().sum()]);
-        let firsts = lengths.clone().scan(0, |end, n| {
-            let first = *end;
-            *end += n;
-            Some(first)
-        });
-        let tiles = firsts.zip(cut(&mut self.groups, lengths));
-        let fastest_of = fastest.iter_mut().flatten().map(Some).chain([None]);
-        let visit = |((first, groups), fastest): &mut ((usize, &mut [G]), Option<&mut f64>), sweep: u32| {
-            before(*first, groups);
-            let [omega, least] = course.of_sweep(sweep);
-            if let Some(fastest) = fastest.as_ref().filter(|fastest| ***fastest < least) {
-                return [0.0, **fastest];
-            }
-            // SAFETY: neighbours, which have moving bodies in common, are not visited at the same time.
-            let visited = unsafe { group::visit::<T, L, G, ACT>(groups, &cells, omega) };
-            if let Some(fastest) = fastest {
-                **fastest = visited[1];
-            }
-            visited
-        };
-        let sweeps = flow::Sweeps {
-            most: course.most(),
-            waits: |sweep| course.waits(sweep),
-            is_enough: |sweep, left| course.is_enough(sweep, left),
-        };
-        let swept = flow.run(&sweeps, tiles.zip(fastest_of).collect(), |((_, groups), _)| groups.len(), visit);
-        (self.motion, self.fastest) = (motion, fastest);
-        swept
     }
 
     /// Visit the blocks once: those of tiles in which a gap closed at `least`, m/s, or faster, and those in no tile. Returns what
     /// [`Group::visit`] does.
+    fn sweep(&mut self, friction: FrictionLaw, omega: f64, least: f64) -> [f64; 2] {
+        match friction {
+            FrictionLaw::Relaxed => self.visit::<{ act::RELAXED }>(omega, least),
+            FrictionLaw::Exact => self.visit::<{ act::EXACT }>(omega, least),
+        }
+    }
+
     fn visit<const ACT: u8>(&mut self, omega: f64, least: f64) -> [f64; 2] {
         /// Number of groups of a shared colour that one task visits.
         const TASK: usize = 128;
@@ -497,14 +331,38 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
                 unsafe { gamma.set(n_contacts + i, roll) };
             }
         };
-        let lanes: Vec<&[u32]> = tiled.colors().flat_map(|color| color.chunks(L)).collect();
-        let tasks = self.groups[..lanes.len()].par_chunks(TASK).zip(lanes.par_chunks(TASK));
-        tasks.with_min_len(min_tasks(lanes.len())).for_each(|(groups, lanes)| {
-            for (group, lanes) in groups.iter().zip(lanes) {
-                for (l, block) in lanes.iter().enumerate() {
+        let read = |groups: &[G], color: &[u32]| {
+            for (group, color) in groups.iter().zip(color.chunks(L)) {
+                for (l, block) in color.iter().enumerate() {
                     blocks.contacts(*block).enumerate().for_each(|(k, i)| put(group, (l, k), i));
                 }
             }
-        });
+        };
+        let [first, second, shared] = self.parts();
+        for (parts, tiles) in [first, second].into_iter().zip(&tiled.rounds) {
+            let tiles = parts.into_par_iter().zip(tiles).with_max_len(1);
+            tiles.for_each(|(mut groups, tile)| {
+                for color in tile.colors() {
+                    let (own, after) = std::mem::take(&mut groups).split_at_mut(color.len().div_ceil(L));
+                    groups = after;
+                    read(own, color);
+                }
+            });
+        }
+        shared.into_iter().zip(tiled.shared.colors()).for_each(|(groups, color)| read(groups, color));
+    }
+}
+
+/// Pack the blocks of some colours into groups.
+fn pack<'a, T: Grouped<L>, const L: usize, G: Group<T, L>>(
+    groups: &mut [G],
+    colors: impl Iterator<Item = &'a [u32]>,
+    op: &BodyOperator,
+    blocks: &Blocks,
+    gamma: &[DVec3],
+    is_exact: bool,
+) {
+    for (group, color) in groups.iter_mut().zip(colors.flat_map(|color| color.chunks(L))) {
+        group.fill(op, color.iter().map(|block| blocks.contacts(*block)), gamma, is_exact);
     }
 }
