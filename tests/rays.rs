@@ -65,6 +65,29 @@ fn rays_end_between_two_mirrors() {
     }
 }
 
+#[test]
+fn lengths_of_rays_are_from_the_place_asked_for() {
+    // From a square at z = 0 to a disk at z = 2, in pixels so coarse that where rays start beside the surface would show.
+    let shader = b"surface far(float which = 0;) { float d = 0;
+        if (which == 0) d = trace(P, vector(0, 0, 1));
+        else gather(\"\", P, vector(0, 0, 1), 0, 1, \"ray:length\", d) { d += 0; }
+        Ci = d / 4; Oi = 1; }";
+    let head = "Format 16 16 1 PixelSamples 1 1 PixelFilter \"box\" 1 1 Quantize \"rgba\" 0 0 0 0 Projection \"orthographic\" Translate 0 0 5";
+    for (which, start) in [(0, "Polygon"), (1, "Polygon"), (0, "Patch \"bilinear\""), (1, "Patch \"bilinear\"")] {
+        let points = if start == "Polygon" { "-1 -1 0 1 -1 0 1 1 0 -1 1 0" } else { "-1 -1 0 1 -1 0 -1 1 0 1 1 0" };
+        let p = render_with(
+            &[("far.sl", shader)],
+            head,
+            &format!(
+                "Sides 2 AttributeBegin Surface \"constant\" Translate 0 0 2 Disk 0 9 360 AttributeEnd
+                Surface \"far\" \"uniform float which\" {which} {start} \"P\" [{points}]"
+            ),
+        );
+        let found = p.at(8, 8)[0];
+        assert!((found - 0.5).abs() < 1e-5, "{start} {which}: {found}");
+    }
+}
+
 /// An image of one colour, as a file.
 fn plain(color: [u8; 3]) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());

@@ -464,8 +464,11 @@ impl sl::machine::Scene for View<'_> {
     fn hit(&self, rays: &[Ray], distances: &mut [Option<f32>]) {
         for (ray, distance) in rays.iter().zip(distances) {
             let dir = Vec3::from(ray.direction);
-            let found = self.rays.nearest(self.item, self.start(ray.from.into(), dir), dir, 0.0, self.bias);
-            *distance = found.map(|(t, _)| t);
+            let place = Vec3::from(ray.from);
+            let start = self.start(place, dir);
+            let found = self.rays.nearest(self.item, start, dir, 0.0, self.bias);
+            // From the place itself, not from where the ray starts beside it.
+            *distance = found.map(|(t, _)| (t + (start - place).dot(dir)).max(0.0));
         }
     }
 
