@@ -65,6 +65,74 @@ fn rays_end_between_two_mirrors() {
     }
 }
 
+#[test]
+fn lengths_of_rays_are_from_the_place_asked_for() {
+    // From a square at z = 0 to a disk at z = 2, in pixels so coarse that where rays start beside the surface would show.
+    let shader = b"surface far(float which = 0;) { float d = 0;
+        if (which == 0) d = trace(P, vector(0, 0, 1));
+        else gather(\"\", P, vector(0, 0, 1), 0, 1, \"ray:length\", d) { d += 0; }
+        Ci = d / 4; Oi = 1; }";
+    let head = "Format 16 16 1 PixelSamples 1 1 PixelFilter \"box\" 1 1 Quantize \"rgba\" 0 0 0 0 Projection \"orthographic\" Translate 0 0 5";
+    for (which, start) in [(0, "Polygon"), (1, "Polygon"), (0, "Patch \"bilinear\""), (1, "Patch \"bilinear\"")] {
+        let points = if start == "Polygon" { "-1 -1 0 1 -1 0 1 1 0 -1 1 0" } else { "-1 -1 0 1 -1 0 -1 1 0 1 1 0" };
+        let p = render_with(
+            &[("far.sl", shader)],
+            head,
+            &format!(
+                "Sides 2 AttributeBegin Surface \"constant\" Translate 0 0 2 Disk 0 9 360 AttributeEnd
+                Surface \"far\" \"uniform float which\" {which} {start} \"P\" [{points}]"
+            ),
+        );
+        let found = p.at(8, 8)[0];
+        assert!((found - 0.5).abs() < 1e-5, "{start} {which}: {found}");
+    }
+}
+
+#[test]
+fn rays_that_leave_outwards_go_through_the_exterior() {
+    // Seen along z, through primitives at z = 0 to a white wall at z = 2 that is turned as they are; a volume keeps a part k of all.
+    let keep = b"volume v(float k = 0.5;) { Ci *= k; }";
+    let fog = b"volume fog() { Ci *= exp(-length(I)); }";
+    let through = b"surface t() { Oi = 1; Ci = trace(P, vector(0, 0, 1)); }";
+    let files: [(&str, &[u8]); 3] = [("v.sl", keep), ("fog.sl", fog), ("t.sl", through)];
+    let options = ORTHO.replace("PixelSamples 8 8", "PixelSamples 2 2");
+    let sphere = "Sphere 0.5 -0.5 0.5 360";
+    let flat = [
+        "Disk 0 0.8 360",
+        "Polygon \"P\" [-0.6 -0.6 0 0.6 -0.6 0 0.6 0.6 0 -0.6 0.6 0]",
+        "Patch \"bilinear\" \"P\" [-0.6 -0.6 0 0.6 -0.6 0 -0.6 0.6 0 0.6 0.6 0]",
+    ];
+    let open = flat.map(|shape| {
+        let of = |turned: &str| format!("Exterior \"v\" Surface \"t\" {turned} {shape}");
+        [(of(""), 0.5), (of("ReverseOrientation"), 1.0)]
+    });
+    let closed = [
+        (format!("Exterior \"v\" Surface \"t\" {sphere}"), 0.5),
+        (format!("Interior \"v\" Exterior \"v\" \"float k\" 0.25 Surface \"t\" {sphere}"), 0.125),
+    ];
+    for (primitive, kept) in open.into_iter().flatten().chain(closed) {
+        let world = format!(
+            "AttributeBegin {primitive} AttributeEnd Sides 2 Surface \"constant\" Translate 0 0 2 Attribute \"visibility\" \"int camera\" 0 Disk 0 5 360"
+        );
+        let image = render_with(&files, &options, &world);
+        // Of a sphere not its outline, along which rays that graze it leave where they enter.
+        let near = if primitive.contains("Sphere") { 14.0 } else { f32::INFINITY };
+        let off = |k: usize| ((k % 80) as f32 - 39.5).hypot((k / 80) as f32 - 39.5);
+        let covered: Vec<_> =
+            image.pixels.iter().enumerate().filter(|(k, p)| p[3] == 1.0 && off(*k) < near).map(|(_, p)| p).collect();
+        assert!(covered.len() > 500, "{primitive}");
+        covered.iter().for_each(|p| assert!((p[0] - kept).abs() < 1e-3, "{primitive}: {p:?}"));
+    }
+    // From the back of a sphere of radius 1/2 it is 3/2 to the wall; from a polygon, 2.
+    for (shape, way) in [(sphere, 1.5f32), (flat[1], 2.0)] {
+        let world = format!(
+            "AttributeBegin Exterior \"fog\" Surface \"t\" {shape} AttributeEnd Sides 2 Surface \"constant\" Translate 0 0 2 Disk 0 5 360"
+        );
+        let found = render_with(&files, &options, &world).at(40, 40)[0];
+        assert!((found - (-way).exp()).abs() < 1e-3, "{shape}: {found}");
+    }
+}
+
 /// An image of one colour, as a file.
 fn plain(color: [u8; 3]) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());

@@ -279,3 +279,29 @@ fn images_that_textures_are_made_of_are_looked_for() {
     let answer = said(&[("t.sl", asks)], &format!("{head}WorldBegin Surface \"t\" Disk 0 .8 360\nWorldEnd\n"));
     assert!(!answer.errors().contains("warning"), "{}", answer.errors());
 }
+
+#[test]
+fn uniform_variables_have_a_value_for_each_face() {
+    let mesh = "[4 4] [0 1 4 3 1 2 5 4]";
+    let points = "\"P\" [-1 -1 0 0 -1 0 1 -1 0 -1 1 0 0 1 0 1 1 0]";
+    let curves = "Curves \"linear\" [2 2] \"nonperiodic\" \"P\" [-1 1 0 1 1 0 -1 -1 0 1 -1 0] \"constantwidth\" [0.4]";
+    let shapes = [
+        format!("PointsPolygons {mesh} {points}"),
+        format!("SubdivisionMesh \"catmull-clark\" {mesh} [\"interpolateboundary\"] [0 0] [] [] {points}"),
+        format!("PatchMesh \"bilinear\" 3 \"nonperiodic\" 2 \"nonperiodic\" {points}"),
+        curves.to_string(),
+    ];
+    for shape in shapes {
+        let answer = |values: &str| {
+            let work = scratch();
+            let path = work.path().join("t.rib");
+            let head = "Display \"t.exr\" \"exr\" \"rgba\"\nFormat 8 8 1\nWorldBegin Surface \"constant\"\n";
+            std::fs::write(&path, format!("{head}{shape} \"uniform color Cs\" [{values}]\nWorldEnd\n")).unwrap();
+            scree(&["render", path.to_str().unwrap(), "-o", work.path().to_str().unwrap()])
+        };
+        answer("1 0 0 0 1 0").ok();
+        let errors = answer("1 0 0").fails(3);
+        assert!(errors.contains("`Cs` has too few values: 1 of class uniform"), "{shape}: {errors}");
+        assert!(errors.contains("t.rib:4:"), "{shape}: {errors}");
+    }
+}

@@ -67,6 +67,31 @@ pub fn meet<'a>(view: &ItemView<'a>, &Hit { from, dir, distance }: &Hit) -> Met<
     }
 }
 
+/// The normal of an item that is flat all over, world space.
+pub fn flat_normal(view: &ItemView<'_>) -> Option<Vec3> {
+    let Shape::Patches(patches, _) = view.shape else { return None };
+    let [patch] = patches.as_slice() else { return None };
+    let corner = |k: usize| view.to_world.transform_point3(patch.p[k]);
+    patch.flat.then(|| (corner(3) - corner(0)).cross(corner(12) - corner(0)).normalize_or_zero())
+}
+
+/// Parts along u and along v at whose ends [`normal_near`] looks at a patch.
+const PARTS: usize = 8;
+
+/// The normal of an item itself near a place of it, which rounding may have put just beside it; `None` of a sphere, and of what
+/// has no area.
+pub fn normal_near(view: &ItemView<'_>, place: Vec3) -> Option<Vec3> {
+    let Shape::Patches(patches, _) = view.shape else { return None };
+    let at = view.to_world.inverse().transform_point3(place);
+    let part = |k: usize| k as f32 / PARTS as f32;
+    let spots = (0..(PARTS + 1) * (PARTS + 1)).map(|k| (part(k % (PARTS + 1)), part(k / (PARTS + 1))));
+    let of_patch = |patch: &Patch, (u, v): (f32, f32)| ((patch.at(u, v) - at).length_squared(), patch.normal(u, v));
+    let all = patches.iter().flat_map(|patch| spots.clone().map(move |spot| of_patch(patch, spot)));
+    let nearest = all.filter(|(_, normal)| *normal != Vec3::ZERO).min_by(|a, b| a.0.total_cmp(&b.0));
+    let normals = Mat3::from_mat4(view.to_world).inverse().transpose();
+    nearest.map(|(_, normal)| (normals * normal).normalize_or_zero())
+}
+
 /// A displaced item where a ray meets its mesh.
 pub fn meet_displaced<'a>(view: &ItemView<'a>, hit: &Hit, spot: &Spot) -> Met<'a> {
     let place = hit.from + hit.dir * hit.distance;

@@ -7,11 +7,10 @@
 //! what of the surface shader Oi depends on; where that asks `occlusion` in turn, beyond this depth nothing is hidden.
 
 use crate::cpu::globals::{fill_velocity, surface_globals};
-use crate::cpu::met::{Hit, Met, meet, meet_displaced};
+use crate::cpu::met::{Hit, Met, flat_normal, meet, meet_displaced, normal_near};
 use crate::cpu::rays::{BEFORE_END, ROUNDING, Rays};
 use crate::cpu::volumes::Leg;
 use crate::scene::attributes::Attributes;
-use crate::scene::shape::Shape;
 use crate::scene::source::{Item, ItemView};
 use crate::scene::world::Scene;
 use glam::{Mat4, Vec3};
@@ -284,21 +283,32 @@ impl<'a> View<'a> {
         None
     }
 
-    /// What comes along a ray from where it meets an item, through the volume before that.
-    fn through_volume(&self, path: &Path<'_>, item: Item, hit: &Hit, light: [[f32; 3]; 2]) -> [[f32; 3]; 2] {
+    /// What comes along a ray from where it meets an item, through the volume before that; the ray has then passed the item.
+    fn through_volume(&self, path: &mut Path<'a>, item: Item, hit: &Hit, light: [[f32; 3]; 2]) -> [[f32; 3]; 2] {
         let attributes = self.scene.attributes(item);
-        if attributes.interior.is_none() && path.passed.exterior.is_none() {
-            return light;
-        }
-        let met = self.meet(item, &self.scene.view(item), hit);
-        let side = if attributes.reversed { -1.0 } else { 1.0 };
-        let leg = Leg {
-            from: path.from + path.dir * path.at,
-            to: met.place,
-            within: met.normal.dot(hit.dir) * side > 0.0,
-            attributes: [path.passed, attributes],
-        };
-        leg.pass(light, |space| View { shader_to_world: space, ..*self })
+        let to = hit.from + hit.dir * hit.distance;
+        let within = attributes.has_volumes() && self.goes_outwards(item, hit);
+        let leg = Leg { from: path.begin, to, outwards: path.outwards, within, attributes: [path.passed, attributes] };
+        let light = leg.pass(light, |space| View { shader_to_world: space, ..*self });
+        (path.passed, path.begin, path.outwards) = (attributes, to, within);
+        light
+    }
+
+    /// Whether a ray where it meets an item goes to the side that the normal of its surface points to.
+    fn goes_outwards(&self, item: Item, hit: &Hit) -> bool {
+        let view = self.scene.view(item);
+        let side = if view.attributes.reversed { -1.0 } else { 1.0 };
+        let met = self.meet(item, &view, hit);
+        // At a seam of patches rounding may put a place beside all of them.
+        let beside = met.on.is_none().then(|| normal_near(&view, met.place)).flatten();
+        beside.unwrap_or(met.geometric).dot(hit.dir) * side > 0.0
+    }
+
+    /// Whether a ray from a place on the own surface leaves it outwards: by the normal there, which does not depend on where beside
+    /// the surface the ray is begun.
+    fn leaves_outwards(&self, place: Vec3, dir: Vec3) -> bool {
+        let back = self.bias[0].max(1e-3);
+        self.goes_outwards(self.item, &Hit { from: place - dir * back, dir, distance: back })
     }
 
     /// The opacity of an item where a ray meets it; its shader is asked if it has a say.
@@ -347,14 +357,6 @@ impl View<'_> {
     }
 }
 
-/// The normal of an item that is flat all over, world space.
-fn flat_normal(view: &ItemView<'_>) -> Option<Vec3> {
-    let Shape::Patches(patches, _) = view.shape else { return None };
-    let [patch] = patches.as_slice() else { return None };
-    let corner = |k: usize| view.to_world.transform_point3(patch.p[k]);
-    patch.flat.then(|| (corner(3) - corner(0)).cross(corner(12) - corner(0)).normalize_or_zero())
-}
-
 /// Whether what a displacement shader leaves to a surface shader that asks depends on the points beside.
 fn reads_displaced_neighbours(a: &Attributes) -> bool {
     let displacement = a.displacement.as_ref().filter(|_| a.surface.program.asks_displacement);
@@ -376,9 +378,10 @@ struct Path<'a> {
     least: f32,
     /// The primitive that it passed last, and how far it does not meet that again.
     last: Option<(f32, u32)>,
-    /// Attributes of the surface that it started from or passed last, and how far along it that is.
+    /// Attributes of the surface that it started from or passed last, where that was, and whether it left that outwards.
     passed: &'a Attributes,
-    at: f32,
+    begin: Vec3,
+    outwards: bool,
 }
 
 /// Fill a global with a vector a point.
@@ -464,8 +467,11 @@ impl sl::machine::Scene for View<'_> {
     fn hit(&self, rays: &[Ray], distances: &mut [Option<f32>]) {
         for (ray, distance) in rays.iter().zip(distances) {
             let dir = Vec3::from(ray.direction);
-            let found = self.rays.nearest(self.item, self.start(ray.from.into(), dir), dir, 0.0, self.bias);
-            *distance = found.map(|(t, _)| t);
+            let place = Vec3::from(ray.from);
+            let start = self.start(place, dir);
+            let found = self.rays.nearest(self.item, start, dir, 0.0, self.bias);
+            // From the place itself, not from where the ray starts beside it.
+            *distance = found.map(|(t, _)| (t + (start - place).dot(dir)).max(0.0));
         }
     }
 
@@ -522,7 +528,8 @@ impl sl::machine::Scene for View<'_> {
                 least: 0.0,
                 last: None,
                 passed: self.attributes,
-                at: 0.0,
+                begin: ray.from.into(),
+                outwards: self.attributes.exterior.is_some() && self.leaves_outwards(ray.from.into(), dir),
             }
         };
         let mut paths: Vec<Path<'_>> = rays.iter().map(start).collect();
@@ -545,7 +552,6 @@ impl sl::machine::Scene for View<'_> {
                     let is_left = self.scene.leaves_particle(*item, hit.from + hit.dir * hit.distance, hit.dir);
                     let light = if is_left { [[0.0; 3]; 2] } else { light };
                     let [ci, oi] = self.through_volume(path, *item, hit, light);
-                    (path.passed, path.at) = (self.scene.attributes(*item), hit.distance);
                     (0..3).for_each(|c| colors[*ray][c] += path.open[c] * ci[c]);
                     if self.pass(path, (hit.distance, *item), oi) {
                         alive.push(*ray);

@@ -1,8 +1,8 @@
 //! Volume shaders on rays that are traced: of what a ray goes through up to where it meets something (RISpec 5.1.6).
 //!
-//! A ray that meets a surface from within has gone through the inside of that primitive, whose interior shader is run; another has gone
-//! from the outside of the surface that it started from or passed last, whose exterior shader is run. What meets nothing goes
-//! through no volume that ends.
+//! A ray that meets a surface from within has gone through the inside of that primitive, whose interior shader is run. Where that has
+//! none, or is met from outside, a ray that left the surface that it started from or passed last outwards runs the exterior shader of
+//! that; by the normal there the way of the ray decides. What meets nothing goes through no volume that ends.
 
 use crate::scene::attributes::Attributes;
 use glam::{Mat4, Vec3};
@@ -16,7 +16,9 @@ pub struct Leg<'a> {
     pub from: Vec3,
     /// Where it ends.
     pub to: Vec3,
-    /// Whether it meets the surface there from within.
+    /// Whether it leaves the surface where it begins outwards.
+    pub outwards: bool,
+    /// Whether it meets the surface where it ends from within.
     pub within: bool,
     /// Attributes of the surface where it begins, and of that where it ends.
     pub attributes: [&'a Attributes; 2],
@@ -26,7 +28,8 @@ impl<'a> Leg<'a> {
     /// The shader of what it goes through.
     fn volume(&self) -> Option<&'a (Arc<BoundShader>, Mat4)> {
         let [first, last] = self.attributes;
-        if self.within { last.interior.as_ref() } else { first.exterior.as_ref() }
+        let inside = last.interior.as_ref().filter(|_| self.within);
+        inside.or(first.exterior.as_ref().filter(|_| self.outwards))
     }
 
     /// Run its volume shader over what comes along it, a colour and an opacity; `scene_of` has the scene as a shader of a space

@@ -87,7 +87,7 @@ pub fn patch_variables(patch: &mut Patch, params: &Params, places: &Places<'_>) 
         let value = |i: usize| v.get(i * width..(i + 1) * width).ok_or_else(|| too_few(param));
         let corners = match (param.decl.class, &places.vertex) {
             (Class::Constant | Class::Uniform, _) => {
-                let is_of_face = param.decl.class == Class::Uniform && v.len() > width;
+                let is_of_face = param.decl.class == Class::Uniform;
                 let own = value(if is_of_face { places.face } else { 0 })?;
                 if is_of_patch(&param.decl.name) {
                     set_varying(patch, &param.decl.name, Varying::new(width, own.repeat(4)));

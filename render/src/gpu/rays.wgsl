@@ -228,5 +228,6 @@ fn nearest(place: vec3<f32>, way: vec3<f32>) -> f32 {
             far = select(far, t, t >= 0.0 && t < far);
         }
     }
-    return select(far, -1.0, far >= 1e30);
+    // From the place itself, not from where the ray starts beside it.
+    return select(max(far + dot(start - place, way), 0.0), -1.0, far >= 1e30);
 }

@@ -253,6 +253,11 @@ impl Attributes {
         shaders.into_iter().any(|shader| shader.program.reads_neighbours)
     }
 
+    /// Whether it has volume shaders for rays.
+    pub fn has_volumes(&self) -> bool {
+        self.interior.is_some() || self.exterior.is_some()
+    }
+
     /// Whether a shader that runs for the primitive sends rays.
     pub fn traces(&self) -> bool {
         let volumes = [&self.interior, &self.exterior].into_iter().flatten().map(|(shader, _)| shader);
