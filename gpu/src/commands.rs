@@ -198,7 +198,7 @@ impl Commands {
     }
 }
 
-/// Runs of bytes, of [`MOST_BYTES`] at most, that make up so many: the first byte of each, and its length.
+/// Runs of bytes, of [`MOST_BYTES`] at most, that make up this number of them: the first byte of each, and its length.
 fn pieces(bytes: u64) -> impl Iterator<Item = (u64, u64)> {
     (0..bytes.div_ceil(MOST_BYTES)).map(move |k| (k * MOST_BYTES, MOST_BYTES.min(bytes - k * MOST_BYTES)))
 }

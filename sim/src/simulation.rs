@@ -1,9 +1,11 @@
 //! A simulation: the step, on a back end.
 
 use crate::backend::Backend;
+use crate::contacts::Contacts;
 use crate::cpu::Cpu;
 use crate::gpu::{Fault, Gpu, Usage};
 use crate::joint::{JointState, SpringState};
+use crate::manifolds::Manifolds;
 use crate::model::Model;
 use crate::outcome::{Deepest, StepOutcome};
 use crate::plan::StepPlan;
@@ -298,9 +300,7 @@ fn split_step(
     let from = gpu.from();
     let before = &Stage::ALL[..from as usize];
     loop {
-        // What the stages change before the bodies move, where bodies sleep.
-        let kept = || (state.contacts.clone(), state.manifolds.clone(), state.step_length);
-        let kept = (!state.sleepers.are_none()).then(kept);
+        let kept = Kept::of(state);
         let run = run_stages(cpu, before, (model, plan), state, is_checked).map_err(StepFault::Columns)?;
         if let Some(mut stage_ms) = run {
             gpu.give(cpu.given(from, model, state));
@@ -319,12 +319,33 @@ fn split_step(
                 return Ok((stage_ms, stepped.outcome, Some(stepped.survey)));
             }
             if let Some(kept) = kept {
-                (state.contacts, state.manifolds, state.step_length) = kept;
+                kept.restore(state);
             }
         }
         // A body has woken. The plan is the same whether bodies sleep or move.
         cpu.prepare(model, state, plan);
         gpu.renew(model, state, plan)?;
+    }
+}
+
+/// What the stages change of a state before the bodies move.
+struct Kept {
+    contacts: Contacts,
+    manifolds: Manifolds,
+    step_length: f64,
+}
+
+impl Kept {
+    /// That of a state in which bodies sleep, so that the step may begin again.
+    fn of(state: &State) -> Option<Kept> {
+        let State { contacts, manifolds, step_length, .. } = state;
+        let kept = || Kept { contacts: contacts.clone(), manifolds: manifolds.clone(), step_length: *step_length };
+        (!state.sleepers.are_none()).then(kept)
+    }
+
+    /// Begin the step again.
+    fn restore(self, state: &mut State) {
+        (state.contacts, state.manifolds, state.step_length) = (self.contacts, self.manifolds, self.step_length);
     }
 }
 
@@ -338,17 +359,16 @@ fn run_stages(
 ) -> Result<Option<[f64; Stage::ALL.len()]>, String> {
     let mut stage_ms = [0.0; Stage::ALL.len()];
     let mut last = Instant::now();
-    // What the stages change before the bodies move, where bodies sleep.
     let mut before = None;
     for stage in stages.iter().copied() {
-        if stage == Stage::ContactWrite && !state.sleepers.are_none() {
-            before = Some((state.contacts.clone(), state.manifolds.clone(), state.step_length));
+        if stage == Stage::ContactWrite {
+            before = Kept::of(state);
         }
         let has_run = backend.run(stage, model, plan, state);
         if before.is_some() && matches!(stage, Stage::ContactWrite | Stage::ContactSolve) {
             let touched = sleep::touched(model, state, stage == Stage::ContactSolve);
             if let Some(before) = before.take_if(|_| !touched.is_empty()) {
-                (state.contacts, state.manifolds, state.step_length) = before;
+                before.restore(state);
                 sleep::rouse(state, touched);
                 return Ok(None);
             }

@@ -102,7 +102,7 @@ pub struct Emitted {
     pub levels: [u32; 2],
 }
 
-/// The bins of boxes, of which there are as many as bits of their index allow; `width` is the usual one of a bin, m, and `unit` that of the
+/// The bins of boxes, whose index has `most_bits` bits at most; `width` is the usual one of a bin, m, and `unit` that of the
 /// fixed-point scale, m.
 pub fn emit_cpu(boxes: &[Aabb], most_bits: u32, (width, unit): (f64, f64)) -> Emitted {
     let are_there = || boxes.iter().filter(|own| own.low[0] <= own.high[0]);

@@ -33,7 +33,7 @@ impl Gpu {
         }
         if self.before.finds() {
             state.contacts = self.contacts(self.n_contacts)?;
-            // Contact points are found anew in each step here.
+            // Contact points are found again in each step here.
             state.manifolds = Manifolds::default();
         } else if from < Stage::Integrate {
             self.fetch_impulses(state)?;
