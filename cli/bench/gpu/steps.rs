@@ -126,12 +126,14 @@ impl Steps<'_> {
         if Instant::now() > self.until {
             return Ok(row.without("left_out", "the time of the benchmark is over".into()));
         }
-        match self.measure(row, build()?) {
+        let measured = match self.measure(row, build()?) {
             Err(Fault::Gpu(error @ (GpuError::TooLarge { .. } | GpuError::Memory { .. }))) => {
-                Ok(row.without("does_not_fit", error.to_string()))
+                row.without("does_not_fit", error.to_string())
             }
-            measured => measured,
-        }
+            measured => measured?,
+        };
+        eprintln!("{measured}");
+        Ok(measured)
     }
 
     fn measure(

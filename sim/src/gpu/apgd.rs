@@ -73,15 +73,14 @@ impl Apgd {
         let of_bodies = [row, z, free, side, start, y, next, body_sums, mass, orientation, roll];
         let of_decision = [sums, body_sums, scalars, work, n];
         let of_motion = [next, problem.motion.bind(), y, scalars];
-        let [over_contacts, over_bodies] = [0, 1].map(|row| Work::Indirect(&problem.work, row));
-        commands.dispatch(device, &self.contact, &of_contacts, &[], over_contacts);
-        commands.dispatch(device, &self.body, &of_bodies, &[], over_bodies);
+        commands.dispatch(device, &self.contact, &of_contacts, &[], problem.any_contacts());
+        commands.dispatch(device, &self.body, &of_bodies, &[], problem.bodies());
         if let Some(joints) = &problem.joints {
             joints.record_trial(device, commands, &problem.of_joints(), ([next, y], false));
         }
         let params = [problem.n_sums()];
         commands.dispatch(device, &self.decide, &of_decision, &params, Work::Groups(1));
-        commands.dispatch(device, &self.extrapolate, &of_motion, &[], over_bodies);
+        commands.dispatch(device, &self.extrapolate, &of_motion, &[], problem.bodies());
         &self.iterates
     }
 

@@ -47,31 +47,42 @@ fn roll_trial(k: u32, row: Row, gamma: vec3<f32>) -> vec4<f32> {
     return vec4(dot(z - y, z - y) / of_roll.z, dot(gradient, z - x), 0.0, 0.0);
 }
 
-@compute @workgroup_size(256)
-fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-    let k = row_of(group, thread);
-    var own = vec4(0.0);
-    if k < count[0] {
-        var x = x_column[k].xyz;
-        var before = previous[k].xyz;
-        if scalars[0].accepted != 0u {
-            before = x;
-            x = next[k].xyz;
-            previous[k] = vec4(before, 0.0);
-            x_column[k] = vec4(x, 0.0);
-        }
-        let row = rows[k];
-        let y = x + (x - before) * scalars[0].beta;
-        let gradient = gradient_of(row, motion_y[row.bodies.x], motion_y[row.bodies.y]);
-        let z = project_row(y - gradient * (scalars[0].step * row.eta), row);
-        next[k] = vec4(z, 0.0);
-        own = vec4(dot(z - y, z - y) / row.eta, dot(gradient, z - x), 0.0, 0.0);
-        if ROLLS {
-            own += roll_trial(k, row, x);
-        }
+// The trial of a contact, if there is such a one. Returns what it adds to the sums.
+fn trial_of(k: u32) -> vec4<f32> {
+    if k >= count[0] {
+        return vec4(0.0);
     }
-    let sum = group_total(thread, own);
-    if thread == 0u {
-        parts[k / 256u] = sum;
+    var x = x_column[k].xyz;
+    var before = previous[k].xyz;
+    if scalars[0].accepted != 0u {
+        before = x;
+        x = next[k].xyz;
+        previous[k] = vec4(before, 0.0);
+        x_column[k] = vec4(x, 0.0);
+    }
+    let row = rows[k];
+    let y = x + (x - before) * scalars[0].beta;
+    let gradient = gradient_of(row, motion_y[row.bodies.x], motion_y[row.bodies.y]);
+    let z = project_row(y - gradient * (scalars[0].step * row.eta), row);
+    next[k] = vec4(z, 0.0);
+    var own = vec4(dot(z - y, z - y) / row.eta, dot(gradient, z - x), 0.0, 0.0);
+    if ROLLS {
+        own += roll_trial(k, row, x);
+    }
+    return own;
+}
+
+@compute @workgroup_size(256)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let end = select(0u, groups_of(count[0]), scalars[0].goes_on == 1u);
+    for (var block = group.x; block < end; block += groups.x) {
+        let sum = group_total(thread, trial_of(block * 256u + thread));
+        if thread == 0u {
+            parts[block] = sum;
+        }
     }
 }

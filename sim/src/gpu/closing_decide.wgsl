@@ -1,7 +1,7 @@
 // Gauss–Seidel: whether iterations go on beyond those of the settings, since a gap still closes too fast or the residual is too great.
 // inout fastest  [1]   as bits, m/s
 // inout scalars  [1]
-// inout work     [11]  workgroups of each dispatch of a round, of the big tiles, of the joints and of `closing`
+// inout work     [2]   workgroups of the joints and of `closing`
 // in    params   [3]   as bits: the speed, m/s, and the residual, m/s; the most iterations, over those of the settings
 // Twin: cpu/solve/sweeps.rs
 #import scalars
@@ -13,17 +13,15 @@
 
 @compute @workgroup_size(1)
 fn main() {
-    if work[10].x == 0u {
+    if work[1].x == 0u {
         return;
     }
     let s = scalars[0];
     let is_enough = bitcast<f32>(fastest[0]) <= bitcast<f32>(params[0]) && s.residual <= bitcast<f32>(params[1]);
     fastest[0] = 0u;
-    work[10] = vec4(0u, 0u, 1u, 0u);
+    work[1] = vec4(0u, 0u, 1u, 0u);
     if is_enough || s.trials >= params[2] * s.limit {
         scalars[0].goes_on = 0u;
-        for (var r = 0u; r < 10u; r++) {
-            work[r] = vec4(0u, 0u, 1u, 0u);
-        }
+        work[0] = vec4(0u, 0u, 1u, 0u);
     }
 }

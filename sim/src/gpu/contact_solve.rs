@@ -307,7 +307,7 @@ impl ContactSolve {
         exact.record_again(device, again, (&self.problem, self.first_length()));
         if self.problem.joints.is_some() {
             // The multipliers of the joints are those of the round's solution.
-            self.problem.record_response(device, again, self.problem.bodies());
+            self.problem.record_response(device, again, false);
         }
         self.record_iterates(again);
         Ok(own)
@@ -414,7 +414,7 @@ impl ContactSolve {
             // Its residual is that of the visits. The velocities are summed again from the impulses, whose momentum is exact.
             Columns::GaussSeidel(_) => {
                 let problem = &self.problem;
-                problem.record_response(device, commands, problem.bodies());
+                problem.record_response(device, commands, false);
                 return;
             }
             Columns::Apgd(apgd) => apgd.record_end(device, commands, &self.problem),

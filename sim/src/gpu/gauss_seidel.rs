@@ -1,16 +1,17 @@
 //! Gauss–Seidel by tiles on a device: the bodies of a tile are loaded into the memory of a workgroup, its contacts are swept there colour by
-//! colour several times, and all is written back once. The tiles of a round share no moving body; eight rounds have all pairs of shapes
-//! that are not much larger than usual, and a last one the rest. The joints are solved at the end of each iteration.
+//! colour several times, and all is written back once. The tiles of a round share no moving body; four rounds, or eight, have all pairs of
+//! shapes that are not much larger than usual, and a last one the rest. The joints are solved at the end of each iteration. The pairs that touch
+//! are coloured anew in each step: pairs that are near alone, about four of five, would make twice as many colours.
 //! in     row       [n_contacts]
 //! inout  gamma     [n_contacts]  N s, world
 //! inout  motion    [n_bodies]    m/s, rad/s
-//! Kernels: tile_start.wgsl, tile_sweep.wgsl and rest_sweep.wgsl for spheres, visit_write.wgsl, tile_manifolds.wgsl and rest_manifolds.wgsl for
+//! Kernels: tile_start.wgsl, tile_color.wgsl, tile_sweep.wgsl and rest_sweep.wgsl for spheres, visit_write.wgsl, tile_manifolds.wgsl and rest_manifolds.wgsl for
 //! shapes of any kind, joint_response.wgsl, tile_decide.wgsl, closing.wgsl and closing_decide.wgsl. Twin: cpu/solve/sweeps.rs, whose iteration is
 //! one sweep; here it is one pass over the contacts in memory. Where a gap still closes too fast, all tiles are swept again, not those alone in
 //! which one does.
 //!
-//! Bytes of a contact and iteration: of spheres its row (48), its impulse read and written (32), its pair, colour and places (12): 92 from
-//! memory; of any shapes its row (64), its impulse read and written (32), its row of visits (16), and a share of its pair (12 of a pair): 115
+//! Bytes of a contact and iteration: of spheres its row (48), its impulse read and written (32), its visit (8), its term written and read (8): 96
+//! from memory; of any shapes its row (64), its impulse read and written (32), its row of visits (16), and a share of its pair (20 of a pair): 117
 //! where a pair has four, and another 112 for each sweep after the first that the cache has lost them for. Beside them the bodies of the tiles, 32
 //! bytes read and written for each tile that they are in.
 
@@ -24,26 +25,34 @@ use crate::settings::{FrictionLaw, SolverSettings};
 use gpu::{Bound, Buffer, Commands, Count, Device, GpuError, Kernel, Kernels, Work};
 
 /// Bytes of a contact and iteration from memory: of spheres, and of any shapes.
-pub const BYTES: [f64; 2] = [92.0, 115.0];
+pub const BYTES: [f64; 2] = [96.0, 117.0];
 
 /// Sweeps of a tile for one pass over its contacts in memory.
 pub const SWEEPS: u32 = 2;
 
-/// Number of rounds of tiles.
-const ROUNDS: usize = 8;
+/// Moving bodies to a workgroup that sweeps the tiles of a round one after the other, and the most workgroups: enough to fill any device.
+const BODIES_OF_GROUP: usize = 128;
+const MOST_GROUPS: usize = 4096;
 
 /// The columns of the method, and its kernels.
 pub struct GaussSeidel {
     start: Kernel,
+    color: Kernel,
     visits: Visits,
     decide: Kernel,
     closing: Option<Closing>,
-    /// Workgroups of each dispatch of a round, of the big tiles, of the joints and of `closing` (11).
+    /// Workgroups of the joints and of `closing` (2).
     pub work: Buffer<[u32; 4]>,
     /// Residual terms of each tile squared (n_tiles).
     moved: Buffer<f32>,
     /// Those of the big tiles (1).
     moved_rest: Buffer<f32>,
+    /// The same of the visits (n_contacts).
+    terms: Buffer<f32>,
+    /// Visits of each tile (n_contacts).
+    order: Buffer<[u32; 2]>,
+    /// Workgroups of a dispatch.
+    n_groups: u32,
     columns: Columns,
     /// Sweeps, whether Coulomb's law is exact, and ω; the tolerance, m/s.
     params: [u32; 3],
@@ -102,6 +111,8 @@ impl Visits {
 struct Columns {
     touching: Buffer<u32>,
     place: Buffer<u32>,
+    /// Number of rounds.
+    rounds: u32,
     color: Buffer<u32>,
     local: Buffer<u32>,
     first: Buffer<u32>,
@@ -110,7 +121,7 @@ struct Columns {
     is_big: Buffer<u32>,
     big: Buffer<u32>,
     round_start: Buffer<u32>,
-    /// Number of dispatches that sweep the tiles of a round, each of them some.
+    /// Number of dispatches that colour the tiles, and that sweep those of a round, each of them some.
     n_pieces: u32,
     n_big: Count,
     n_tiles: Count,
@@ -131,7 +142,8 @@ impl Columns {
             is_big: tiles.is_big.clone(),
             big: tiles.big.clone(),
             round_start: tiles.round_start.clone(),
-            // Sweeps take a quarter of the time of colouring.
+            rounds: tiles.rounds,
+            // Sweeps and colours take a quarter of the time of the pairs.
             n_pieces: tiles.n_pieces.div_ceil(4),
             n_big: tiles.n_big.clone(),
             n_tiles: tiles.n.clone(),
@@ -162,15 +174,22 @@ impl GaussSeidel {
         };
         // Where iterations go on, the last are not over-relaxed.
         let omega = settings.omega.unwrap_or(1.0).min(if most.is_some() { 1.0 } else { f64::INFINITY });
+        let columns = Columns::of(collision, tiles);
+        let n_groups = problem.n_bodies.div_ceil(BODIES_OF_GROUP).clamp(1, MOST_GROUPS) as u32;
+        let n_contacts = problem.gamma.capacity();
         Ok(GaussSeidel {
             closing: most.map(closing).transpose()?,
             start: get("tile_start", include_str!("tile_start.wgsl"))?,
+            color: get("tile_color", include_str!("tile_color.wgsl"))?,
             visits: Visits::new(device, kernels, problem)?,
             decide: get("tile_decide", include_str!("tile_decide.wgsl"))?,
-            work: Buffer::zeros(device, "work of tiles", ROUNDS + 3)?,
+            work: Buffer::zeros(device, "work of tiles", 2)?,
             moved: Buffer::zeros(device, "moved", tiles.first.capacity())?,
             moved_rest: Buffer::zeros(device, "moved", 1)?,
-            columns: Columns::of(collision, tiles),
+            terms: Buffer::zeros(device, "terms of visits", n_contacts)?,
+            order: Buffer::zeros(device, "order of visits", n_contacts)?,
+            n_groups: n_groups.div_ceil(columns.n_pieces),
+            columns,
             params: [SWEEPS, is_exact, bits(omega)],
             tolerance: settings.tolerance,
         })
@@ -179,10 +198,24 @@ impl GaussSeidel {
     /// Record the start.
     pub fn record_start(&self, device: &Device, commands: &mut Commands, problem: &Problem, settings: &SolverSettings) {
         let c = &self.columns;
-        let counts = [c.round_start.bind(), c.n_big.n.bind(), problem.n_contacts.n.bind()];
-        let bound = [problem.scalars.bind(), self.work.bind(), counts[0], counts[1], counts[2]];
-        let params = [settings.iterations.unwrap_or(0), c.n_pieces];
+        let bound = [problem.scalars.bind(), self.work.bind(), problem.n_contacts.n.bind()];
+        let params = [settings.iterations.unwrap_or(0)];
         commands.dispatch(device, &self.start, &bound, &params, Work::Groups(1));
+        let of_tiles = [c.first.bind(), c.body.bind(), c.is_big.bind(), c.round_start.bind()];
+        let counts = [c.n_tiles.n.bind(), c.n_pairs.n.bind()];
+        let out = [c.size.bind(), self.order.bind()];
+        let bound: Vec<Bound> = [c.place.bind(), c.local.bind()]
+            .into_iter()
+            .chain(of_tiles)
+            .chain(counts)
+            .chain([problem.row()])
+            .chain(out)
+            .collect();
+        let by_contact = matches!(self.visits, Visits::Spheres { .. }) as u32;
+        for piece in 0..c.n_pieces {
+            let params = [by_contact, piece, c.n_pieces];
+            commands.dispatch(device, &self.color, &bound, &params, Work::Groups(self.n_groups));
+        }
         if let Visits::Manifolds { write, visits, .. } = &self.visits {
             let [mass, orientation] = problem.inertia();
             let bound = [problem.row(), mass, orientation, visits.bind(), problem.n_contacts.n.bind()];
@@ -201,16 +234,15 @@ impl GaussSeidel {
         let of_decision = [moved[0], moved[1], scalars, self.work.bind(), counts[0], counts[1]];
         let [sweeps, is_exact, omega] = self.params;
         let [sweep, rest] = self.visits.sweeps();
-        for round in 0..ROUNDS {
+        for round in 0..c.rounds {
             for piece in 0..c.n_pieces {
-                let params = [round as u32, sweeps, is_exact, omega, piece, c.n_pieces];
-                commands.dispatch(device, sweep, &of_sweep, &params, Work::Indirect(&self.work, round));
+                let params = [round, sweeps, is_exact, omega, piece, c.n_pieces];
+                commands.dispatch(device, sweep, &of_sweep, &params, Work::Groups(self.n_groups));
             }
         }
-        let work = Work::Indirect(&self.work, ROUNDS);
-        commands.dispatch(device, rest, &of_rest, &self.params, work);
+        commands.dispatch(device, rest, &of_rest, &self.params, Work::Groups(1));
         if let Some(joints) = &problem.joints {
-            let work = Work::Indirect(&self.work, ROUNDS + 1);
+            let work = Work::Indirect(&self.work, 0);
             joints.record_more(device, commands, &problem.of_joints(), work);
         }
         let params = [bits(self.tolerance), self.closing.is_some() as u32];
@@ -218,7 +250,7 @@ impl GaussSeidel {
         if let Some(closing) = &self.closing {
             let fastest = closing.fastest.bind();
             let bound = [problem.row(), problem.motion.bind(), fastest, problem.n_contacts.n.bind()];
-            commands.dispatch(device, &closing.measure, &bound, &[], Work::Indirect(&self.work, ROUNDS + 2));
+            commands.dispatch(device, &closing.measure, &bound, &[], Work::Indirect(&self.work, 1));
             let params = [bits(closing.most[0]), bits(closing.most[1]), SolverSettings::BEYOND];
             let bound = [fastest, scalars, self.work.bind()];
             commands.dispatch(device, &closing.decide, &bound, &params, Work::Groups(1));
@@ -233,26 +265,29 @@ impl GaussSeidel {
     /// What the kernels over tiles and over big tiles bind.
     fn bound<'a>(&'a self, problem: &'a Problem) -> [Vec<Bound<'a>>; 2] {
         let c = &self.columns;
-        let (row, motion, gamma) = (problem.row(), problem.motion.bind(), problem.gamma.bind());
-        let (moved, moved_rest) = (self.moved.bind(), self.moved_rest.bind());
-        let (place, color, first, size) = (c.place.bind(), c.color.bind(), c.first.bind(), c.size.bind());
-        let (n_tiles, n_pairs, start) = (c.n_tiles.n.bind(), c.n_pairs.n.bind(), c.round_start.bind());
-        let of_tiles = [c.local.bind(), first, c.body.bind(), size, c.is_big.bind(), start, n_tiles, n_pairs];
-        let of_big = [first, size, c.big.bind(), c.n_big.n.bind(), n_tiles, n_pairs];
+        let (row, motion, gamma, scalars) =
+            (problem.row(), problem.motion.bind(), problem.gamma.bind(), problem.scalars.bind());
+        let (moved, moved_rest, terms) = (self.moved.bind(), self.moved_rest.bind(), self.terms.bind());
+        let (place, order, color, first, size) =
+            (c.place.bind(), self.order.bind(), c.color.bind(), c.first.bind(), c.size.bind());
+        let (n_tiles, n_pairs) = (c.n_tiles.n.bind(), c.n_pairs.n.bind());
+        let of_tiles = [order, first, c.body.bind(), size, c.is_big.bind(), c.round_start.bind()];
+        let of_big = [color, first, size, c.big.bind(), c.n_big.n.bind(), n_tiles, n_pairs];
         let [mass, orientation] = problem.inertia();
         let [roll, roll_row] = problem.rolling();
-        let of_pairs = match &self.visits {
-            Visits::Spheres { .. } => [row, c.touching.bind(), place, color],
-            Visits::Manifolds { visits, .. } => [row, visits.bind(), place, color],
-        };
-        let more = match &self.visits {
-            Visits::Spheres { .. } => vec![],
-            Visits::Manifolds { .. } => vec![mass, orientation, roll, roll_row],
-        };
-        let all = |own: &[Bound<'a>], moved: Bound<'a>| {
-            let columns = of_pairs.iter().chain(own).copied().chain([motion, gamma, moved]);
-            columns.chain(more.iter().copied()).collect()
-        };
-        [all(&of_tiles, moved), all(&of_big, moved_rest)]
+        match &self.visits {
+            Visits::Spheres { .. } => {
+                let sweep = [row, place].into_iter().chain(of_tiles).chain([motion, gamma, moved, terms, scalars]);
+                let rest = [row, c.touching.bind(), place].into_iter().chain(of_big);
+                [sweep.collect(), rest.chain([motion, gamma, moved_rest, scalars]).collect()]
+            }
+            Visits::Manifolds { visits, .. } => {
+                let own = [row, visits.bind(), place];
+                let of_bodies = [mass, orientation, roll, roll_row, scalars];
+                let sweep = own.into_iter().chain(of_tiles).chain([n_tiles, n_pairs, motion, gamma, moved, terms]);
+                let rest = own.into_iter().chain(of_big).chain([motion, gamma, moved_rest]);
+                [sweep.chain(of_bodies).collect(), rest.chain(of_bodies).collect()]
+            }
+        }
     }
 }

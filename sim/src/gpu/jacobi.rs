@@ -44,9 +44,8 @@ pub fn record(
     let of_decision = [sums, scalars, problem.work.bind(), n];
     let share = if problem.feeds { SHARE } else { 1.0 };
     let params = [bits(share * settings.tolerance), settings.omega.is_some() as u32];
-    let work = Work::Indirect(&problem.work, 0);
-    commands.dispatch(device, &contact, &of_contacts, &of_step, work);
+    commands.dispatch(device, &contact, &of_contacts, &of_step, problem.any_contacts());
     commands.dispatch(device, &decide, &of_decision, &params, Work::Groups(1));
-    problem.record_response(device, commands, Work::Indirect(&problem.work, 1));
+    problem.record_response(device, commands, true);
     Ok(())
 }

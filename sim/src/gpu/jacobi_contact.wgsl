@@ -42,33 +42,44 @@ fn roll_step(k: u32, row: Row, gamma_k: vec3<f32>, lambda: f32) -> vec4<f32> {
     return vec4(dot(term, term) * of_roll.w, dot(next - x, next - x) / of_roll.z, dot(x, x) / of_roll.z, 0.0);
 }
 
-@compute @workgroup_size(256)
-fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-    let k = row_of(group, thread);
-    var own = vec4(0.0);
-    if k < count[0] {
-        let row = rows[k];
-        var gradient = gradient_of(row, motion[row.bodies.x], motion[row.bodies.y]);
-        let x = gamma[k].xyz;
-        if params[1] == 1u {
-            let known = bitcast<f32>(params[3]) * sqrt(f32(blocks_of(count[0])));
-            let least_speed = min(bitcast<f32>(params[2]), known);
-            let offset = slip[k].x + slip_of(gradient, x, row.normal, row.friction, least_speed);
-            gradient += row.normal * (offset - row.offset);
-            rows[k].offset = offset;
-        }
-        let z = project_row(x - gradient * (scalars[0].omega * row.eta), row);
-        let lambda = bitcast<f32>(params[0]);
-        let next = z * lambda + x * (1.0 - lambda);
-        gamma[k] = vec4(next, 0.0);
-        let term = residual_term(x, gradient, row);
-        own = vec4(dot(term, term), dot(next - x, next - x) / row.eta, dot(x, x) / row.eta, 0.0);
-        if ROLLS {
-            own += roll_step(k, row, x, lambda);
-        }
+// The step of a contact, if there is such a one. Returns what it adds to the sums.
+fn step_of(k: u32) -> vec4<f32> {
+    if k >= count[0] {
+        return vec4(0.0);
     }
-    let sum = group_total(thread, own);
-    if thread == 0u {
-        parts[k / 256u] = sum;
+    let row = rows[k];
+    var gradient = gradient_of(row, motion[row.bodies.x], motion[row.bodies.y]);
+    let x = gamma[k].xyz;
+    if params[1] == 1u {
+        let known = bitcast<f32>(params[3]) * sqrt(f32(blocks_of(count[0])));
+        let least_speed = min(bitcast<f32>(params[2]), known);
+        let offset = slip[k].x + slip_of(gradient, x, row.normal, row.friction, least_speed);
+        gradient += row.normal * (offset - row.offset);
+        rows[k].offset = offset;
+    }
+    let z = project_row(x - gradient * (scalars[0].omega * row.eta), row);
+    let lambda = bitcast<f32>(params[0]);
+    let next = z * lambda + x * (1.0 - lambda);
+    gamma[k] = vec4(next, 0.0);
+    let term = residual_term(x, gradient, row);
+    var own = vec4(dot(term, term), dot(next - x, next - x) / row.eta, dot(x, x) / row.eta, 0.0);
+    if ROLLS {
+        own += roll_step(k, row, x, lambda);
+    }
+    return own;
+}
+
+@compute @workgroup_size(256)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let end = select(0u, groups_of(count[0]), scalars[0].goes_on == 1u);
+    for (var block = group.x; block < end; block += groups.x) {
+        let sum = group_total(thread, step_of(block * 256u + thread));
+        if thread == 0u {
+            parts[block] = sum;
+        }
     }
 }

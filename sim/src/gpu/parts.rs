@@ -32,6 +32,7 @@ const PARTS: &[Part<'static>] = parts!(
     "contact_hash",
     "scalars",
     "visit",
+    "tile_bodies",
     "manifold",
     "tensor",
     "row",

@@ -210,17 +210,17 @@ impl Problem {
         self.side_groups.record(device, commands, &self.n_sides);
         let bound = [body.bind(), self.side_start.bind(), self.n_sides.n.bind()];
         commands.dispatch(device, &self.kernels.start, &bound, &[], self.side_groups.of_level(&self.n_sides, 0));
-        self.record_response(device, commands, self.bodies());
+        self.record_response(device, commands, false);
     }
 
-    /// Record the velocities with the impulses.
-    pub fn record_response(&self, device: &Device, commands: &mut Commands, work: Work) {
+    /// Record the velocities with the impulses; with `is_checked`, those of joints where an iteration has bodies to do.
+    pub fn record_response(&self, device: &Device, commands: &mut Commands, is_checked: bool) {
         let [row, gamma, free, side, start] = self.sums_of_bodies(&self.gamma);
         let [mass, orientation] = self.inertia();
         let bound = [row, gamma, free, side, start, self.motion.bind(), mass, orientation, self.roll.bind()];
-        commands.dispatch(device, &self.kernels.response, &bound, &[], work);
+        commands.dispatch(device, &self.kernels.response, &bound, &[], self.bodies());
         if let Some(joints) = &self.joints {
-            joints.record_response(device, commands, &self.of_joints(), matches!(work, Work::Indirect(..)));
+            joints.record_response(device, commands, &self.of_joints(), is_checked);
         }
     }
 
@@ -266,6 +266,14 @@ impl Problem {
     /// The workgroups of a kernel over contacts, after [`Problem::record`].
     pub fn contacts(&self) -> Work<'_> {
         self.contact_groups.of_level(&self.n_contacts, 0)
+    }
+
+    /// The workgroups of a kernel over contacts of which each takes one block after the other, however many there are, while the solve goes on.
+    /// A dispatch whose workgroups the host knows begins sooner than one whose workgroups the device does, as the many of a solve.
+    pub fn any_contacts(&self) -> Work<'static> {
+        /// Enough to fill any device.
+        const MOST: usize = 2048;
+        Work::Groups(self.gamma.capacity().div_ceil(ROWS).min(MOST) as u32)
     }
 
     /// The workgroups of a kernel over bodies.

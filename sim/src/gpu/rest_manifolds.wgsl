@@ -15,11 +15,13 @@
 // in    orientation  [n_bodies]    of the principal frames
 // inout roll         [n_contacts]  N m s, world: rolling and spinning impulses on B
 // in    roll_row     [n_contacts]
+// in    scalars      [1]
 // in    params       [3]           sweeps, whether Coulomb's law is exact, and as bits ω
 // Twin: cpu/solve/sweeps.rs
 #import sphere
 #import manifold
 #import partial
+#import scalars
 
 @group(0) @binding(0) var<storage, read> rows: array<Row>;
 @group(0) @binding(1) var<storage, read> visits: array<vec4<f32>>;
@@ -38,7 +40,8 @@
 @group(0) @binding(14) var<storage, read> orientation: array<vec4<f32>>;
 @group(0) @binding(15) var<storage, read_write> roll: array<vec4<f32>>;
 @group(0) @binding(16) var<storage, read> roll_row: array<vec4<f32>>;
-@group(0) @binding(17) var<storage, read> params: array<u32>;
+@group(0) @binding(17) var<storage, read> scalars: array<Scalars>;
+@group(0) @binding(18) var<storage, read> params: array<u32>;
 
 const THREADS: u32 = 256u;
 const NONE: u32 = 0xffffffffu;
@@ -70,7 +73,8 @@ fn visit_pair(pair: u32) -> f32 {
 @compute @workgroup_size(256)
 fn main(@builtin(local_invocation_index) thread: u32) {
     var term = 0.0;
-    for (var t = 0u; t < n_big[0]; t++) {
+    let n_tiles_to_do = select(0u, n_big[0], scalars[0].goes_on == 1u);
+    for (var t = 0u; t < n_tiles_to_do; t++) {
         let tile = big[t];
         let first = tile_first[tile];
         var end = n_pairs[0];

@@ -10,10 +10,13 @@
 // inout motion       [n_bodies]    m/s, rad/s
 // inout gamma        [n_contacts]  N s, world
 // out   moved        [1]           residual terms of the first sweep squared, m²/s²
+// in    scalars      [1]
 // in    params       [3]           sweeps, whether Coulomb's law is exact, and as bits ω
 // Twin: cpu/solve/sweeps.rs
 #import sphere
 #import visit
+#import partial
+#import scalars
 
 @group(0) @binding(0) var<storage, read> rows: array<Row>;
 @group(0) @binding(1) var<storage, read> touching: array<u32>;
@@ -28,7 +31,8 @@
 @group(0) @binding(10) var<storage, read_write> motion: array<Body>;
 @group(0) @binding(11) var<storage, read_write> gamma: array<vec4<f32>>;
 @group(0) @binding(12) var<storage, read_write> moved: array<f32>;
-@group(0) @binding(13) var<storage, read> params: array<u32>;
+@group(0) @binding(13) var<storage, read> scalars: array<Scalars>;
+@group(0) @binding(14) var<storage, read> params: array<u32>;
 
 const THREADS: u32 = 256u;
 
@@ -54,7 +58,8 @@ fn visit(k: u32) -> f32 {
 @compute @workgroup_size(256)
 fn main(@builtin(local_invocation_index) thread: u32) {
     var term = 0.0;
-    for (var t = 0u; t < n_big[0]; t++) {
+    let n_tiles_to_do = select(0u, n_big[0], scalars[0].goes_on == 1u);
+    for (var t = 0u; t < n_tiles_to_do; t++) {
         let tile = big[t];
         var end_pair = n_pairs[0];
         if tile + 1u < n_tiles[0] {
@@ -85,8 +90,8 @@ fn main(@builtin(local_invocation_index) thread: u32) {
         storageBarrier();
         workgroupBarrier();
     }
-    let total = term_total(thread, term);
+    let total = group_total(thread, vec4(term, 0.0, 0.0, 0.0));
     if thread == 0u {
-        moved[0] = total;
+        moved[0] = total.x;
     }
 }

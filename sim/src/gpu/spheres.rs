@@ -7,6 +7,7 @@ use super::rows::{Aabb, Solid, Sphere};
 use super::solids;
 use crate::model::Model;
 use crate::plan::Narrow;
+use crate::shape::ShapeKind;
 use gpu::{Buffer, Device};
 
 /// The columns, a row for each sphere, or for each moving shape where these are of any kind.
@@ -33,7 +34,12 @@ pub struct Spheres {
     pub width: f64,
     /// Harmonic mean of the volumes of boxes about the shapes, as thick and as deep as the shape is at its least, m³.
     pub volume: f64,
+    /// Diameter of the sphere about a shape that all but a few are within, m.
+    pub longest: f64,
 }
+
+/// Share of the shapes that may be longer than [`Spheres::longest`].
+const LONGER: f64 = 0.002;
 
 impl Spheres {
     /// The spheres of a model, with the units of its lengths.
@@ -73,6 +79,13 @@ impl Spheres {
         let volumes = shapes.iter().map(size).map(|(most, least)| 8.0 * most * least * least);
         let volume = n as f64 / volumes.map(|volume| 1.0 / volume).sum::<f64>();
         let width = n as f64 / radii().map(|radius| 0.5 / radius).sum::<f64>();
+        let around = |s: &usize| match model.shape_kind[*s] {
+            ShapeKind::Sphere => model.shape_size[*s].x,
+            _ => model.shape_size[*s].length(),
+        };
+        let mut lengths: Vec<f64> = shapes.iter().map(|s| 2.0 * around(s)).collect();
+        lengths.sort_unstable_by(f64::total_cmp);
+        let longest = lengths[n - 1 - (LONGER * n as f64) as usize];
         let spheres = Spheres {
             n,
             sphere: Buffer::of(device, "sphere", &rows)?,
@@ -88,6 +101,7 @@ impl Spheres {
             shapes,
             width,
             volume,
+            longest,
         };
         Ok((spheres, scale))
     }

@@ -2,7 +2,7 @@
 // in    moved    [n_tiles]  residual terms squared, m²/s²
 // in    rest     [1]        those of big tiles
 // inout scalars  [1]
-// inout work     [11]       workgroups of each dispatch of a round, of the big tiles, of the joints and of `closing`
+// inout work     [2]        workgroups of the joints and of `closing`
 // in    counts   [2]        n_tiles, n_contacts
 // in    params   [2]        as bits: tolerance (m/s); whether `closing` decides once the iterations of the settings are done
 // Twin: cpu/solve/sweeps.rs
@@ -31,16 +31,15 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     }
     var s = scalars[0];
     s.trials++;
-    s.residual = sqrt(sums.x + select(0.0, rest[0], work[8].x > 0u)) / f32(blocks_of(count[0]));
+    s.residual = sqrt(sums.x + rest[0]) / f32(blocks_of(count[0]));
     let is_done = s.trials >= s.limit;
     if is_done && params[1] == 1u {
-        work[10] = dispatch_of(count[0]);
+        work[1] = dispatch_of(count[0]);
     }
     if s.residual <= bitcast<f32>(params[0]) || (is_done && params[1] == 0u) {
         s.goes_on = 0u;
-        for (var r = 0u; r < 11u; r++) {
-            work[r] = vec4(0u, 0u, 1u, 0u);
-        }
+        work[0] = vec4(0u, 0u, 1u, 0u);
+        work[1] = work[0];
     }
     scalars[0] = s;
 }

@@ -1,5 +1,7 @@
-// The tile of each pair. Space is cut into cubes along each axis in two ways, half a cube from each other; of the eight ways to combine
-// them a pair belongs to the first in which both of its bodies are in one cube. A body that is held in place fits every tile.
+// The tile of each pair. Space is cut into cubes in several ways; a pair belongs to the first in which both of its bodies are in one cube.
+// Four ways are shifted by a quarter of a cube along all axes at once, one from the next: an axis can part a pair that is no longer than a
+// quarter in one of them alone, so that the three axes leave it one. Where pairs are longer, there are eight ways, which combine cuts along each
+// axis that are half a cube from each other. A body that is held in place fits every tile.
 // in   pairs     [n_pairs]
 // in   sphere    [n_spheres]
 // in   fixture   [n_fixtures]
@@ -10,7 +12,7 @@
 // out  key       [n_pairs]    round and cube; that of pairs in no tile comes after all others
 // out  id        [n_pairs]    the pair
 // in   count     [1]          n_pairs if they are to be put into tiles, else 0
-// in   params    [3]          bits of the index of a cube; as bits its edge (m); bits of the number of least bins along it
+// in   params    [4]          bits of the index of a cube; as bits its edge (m); bits of the number of least bins along it; number of ways
 // Twin: cpu/pair_write.rs
 #import sphere
 #import fixture
@@ -48,6 +50,13 @@ fn round_of(shifted: vec3<bool>) -> u32 {
     return select(select(code + 1u, 1u, code == 7u), 0u, code == 0u);
 }
 
+// The key of the cube of a place. The indices of cubes repeat, as those of bins do, and what falls together is one tile.
+fn key_of(round: u32, place: vec3<f32>) -> u32 {
+    let bits = vec3(grid[0], grid[1], grid[2]) - params[2];
+    let at = vec3<u32>(vec3<i32>(floor(place))) & ((vec3(1u) << bits) - 1u);
+    return (round << params[0]) | at.x | (at.y | at.z << bits.y) << bits.x;
+}
+
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let k = row_of(group, thread);
@@ -65,6 +74,17 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let p = place_of(a);
     let q = place_of(b);
+    if params[3] == 4u {
+        for (var way = 0u; way < 4u; way++) {
+            let shift = 0.25 * f32(way);
+            if all(floor(p + shift) == floor(q + shift)) {
+                key[k] = key_of(way, p + shift);
+                return;
+            }
+        }
+        key[k] = 8u << params[0];
+        return;
+    }
     let plain = floor(p) == floor(q);
     let shifted = floor(p + 0.5) == floor(q + 0.5);
     if !all(plain | shifted) {
@@ -72,9 +92,5 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let way = select(select(!plain, vec3(true), all(shifted)), vec3(false), all(plain));
-    let cell = vec3<u32>(vec3<i32>(floor(p + select(vec3(0.0), vec3(0.5), way))));
-    // The indices of cubes repeat, as those of bins do, and what falls together is one tile.
-    let bits = vec3(grid[0], grid[1], grid[2]) - params[2];
-    let at = cell & ((vec3(1u) << bits) - 1u);
-    key[k] = (round_of(way) << params[0]) | at.x | (at.y | at.z << bits.y) << bits.x;
+    key[k] = key_of(round_of(way), p + select(vec3(0.0), vec3(0.5), way));
 }

@@ -24,16 +24,20 @@ use gpu::compact::Compact;
 use gpu::radix_sort::RadixSort;
 use gpu::{Bound, Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels, Work};
 
-/// Volume of a tile over the usual one of a sphere's cube: a hundred spheres or so are in a tile.
-const CROWD: f64 = 91.125;
+/// Volume of a tile over the usual one of a sphere's cube, and of the box about a shape of any kind: as many bodies as a workgroup has room for
+/// where they are packed most densely, less a quarter. Spheres are packed by up to 1.41 in a cube.
+const CROWD: [f64; 2] = [262.0, 340.0];
 
 /// Least edge of a tile over the usual width of a shape: neighbours are within a cube of one of the rounds.
 const LEAST_EDGE: f64 = 2.5;
 
-/// The most bodies of a tile of spheres that is not big, and of one of shapes of any kind: with them the memory of a workgroup is 16 KiB.
-const MOST_BODIES: [u32; 2] = [480, 256];
+/// The most bodies of a tile that is not big: with them the memory of a workgroup is 16 KiB.
+const MOST_BODIES: u32 = 480;
 
-/// Pairs that there is room for, to a dispatch that colours tiles, on a software adapter: more would keep it for too long.
+/// Ways to cut space into tiles: four where a quarter of a tile holds any pair, else eight.
+const WAYS: [u32; 2] = [4, 8];
+
+/// Pairs that there is room for, to a dispatch that lists the bodies of tiles, on a software adapter: more would keep it for too long.
 const PIECE: usize = 12_500;
 
 /// The tiles, with room for as many pairs as there is.
@@ -44,13 +48,14 @@ pub struct Tiles {
     pub n: Count,
     /// First tile of each round and of the pairs in no tile, and the end (10).
     pub round_start: Buffer<u32>,
-    /// Colours of the pairs (n_pairs).
+    /// Colours of the pairs of big tiles (n_pairs).
     pub color: Buffer<u32>,
     /// Places of a pair's bodies in the list of its tile, 16 bits each (n_pairs).
     pub local: Buffer<u32>,
     /// Bodies of each tile, from twice its first pair on (2 n_pairs).
     pub body: Buffer<u32>,
-    /// Number of bodies and of colours of each tile; of a big one, number of pairs without a colour and of colours (n_tiles).
+    /// Number of bodies of each tile, and room for that of the visits of a step; of a big one, number of pairs without a colour and of
+    /// colours (n_tiles).
     pub size: Buffer<[u32; 2]>,
     /// Whether a tile does not fit a workgroup (n_tiles).
     pub is_big: Buffer<u32>,
@@ -62,8 +67,10 @@ pub struct Tiles {
     sort: RadixSort<u32>,
     compact: [Compact; 2],
     groups: [Groups; 2],
-    /// Number of dispatches that colour the tiles, each of them some.
+    /// Number of dispatches that list the bodies of the tiles, each of them some.
     pub n_pieces: u32,
+    /// Number of rounds.
+    pub rounds: u32,
     home: Buffer<u32>,
     key: Buffer<u32>,
     id: Buffer<u32>,
@@ -75,7 +82,6 @@ pub struct Tiles {
     edge: f64,
     /// Bits of the number of least bins along an edge.
     edge_bits: u32,
-    most_bodies: u32,
     /// Bits of the index of a tile's cube.
     cube_bits: u32,
 }
@@ -85,7 +91,7 @@ struct TileKernels {
     key: Kernel,
     pairs: Kernel,
     rounds: Kernel,
-    color: Kernel,
+    list: Kernel,
     rest: Kernel,
 }
 
@@ -104,9 +110,10 @@ impl Tiles {
         let of_body = spheres.bodies.iter().enumerate().rev();
         of_body.for_each(|(sphere, body)| home[*body as usize] = sphere as u32);
         let compact = || Compact::new(device, kernels, room);
-        let edge = (CROWD * spheres.volume).cbrt().max(LEAST_EDGE * spheres.width);
+        let crowd = CROWD[(bodies.layout.narrow == Narrow::Any) as usize];
+        let edge = (crowd * spheres.volume).cbrt().max(LEAST_EDGE * spheres.width);
         let edge_bits = if edge < 4.0 * spheres.width { 1 } else { 2 };
-        let is_any = bodies.layout.narrow == Narrow::Any;
+        let rounds = WAYS[(4.0 * spheres.longest > edge) as usize];
         let n_pieces = if device.adapter.software { room.div_ceil(PIECE) as u32 } else { 1 };
         Ok(Tiles {
             first: column("tile_first")?,
@@ -124,13 +131,14 @@ impl Tiles {
                 key: get("tile_key", include_str!("tile_key.wgsl"))?,
                 pairs: get("tile_pairs", include_str!("tile_pairs.wgsl"))?,
                 rounds: get("tile_rounds", include_str!("tile_rounds.wgsl"))?,
-                color: get("tile_color", include_str!("tile_color.wgsl"))?,
+                list: get("tile_list", include_str!("tile_list.wgsl"))?,
                 rest: get("rest_color", include_str!("rest_color.wgsl"))?,
             },
             sort: RadixSort::new(device, kernels, room)?,
             compact: [compact()?, compact()?],
             groups: [Groups::new(device, kernels, ROWS)?, Groups::new(device, kernels, n_pieces as usize)?],
             n_pieces,
+            rounds,
             home: Buffer::of(device, "home", &home)?,
             key: column("tile_key")?,
             id: column("tile pairs")?,
@@ -141,7 +149,6 @@ impl Tiles {
             claim: Buffer::of(device, "claims", &vec![u32::MAX; bodies.n])?,
             edge,
             edge_bits,
-            most_bodies: MOST_BODIES[is_any as usize],
             cube_bits: bins.most_bits - 3 * edge_bits,
         })
     }
@@ -171,7 +178,8 @@ impl Tiles {
         let work = of_pairs.of_level(&self.n_due, 0);
         let boxes = [self.home.bind(), at.fat_aabb.bind(), bins.grid.bind()];
         let bound: Vec<Bound> = [pairs].into_iter().chain(shapes).chain(boxes).chain([key, id, n_due]).collect();
-        commands.dispatch(device, &kernels.key, &bound, &[self.cube_bits, bits(self.edge), self.edge_bits], work);
+        let params = [self.cube_bits, bits(self.edge), self.edge_bits, self.rounds];
+        commands.dispatch(device, &kernels.key, &bound, &params, work);
         self.sort.record(device, commands, (&self.key, &self.id), &self.n_due, 8 << self.cube_bits);
         let sorted = self.sorted.bind();
         commands.dispatch(device, &kernels.pairs, &[pairs, key, id, sorted, self.flag.bind(), n_due], &[], work);
@@ -183,11 +191,11 @@ impl Tiles {
         let n_pairs = to.n.n.bind();
         let (color, size, is_big) = (self.color.bind(), self.size.bind(), self.is_big.bind());
         let from = [sorted, sphere, fixture, activity, first, n_tiles, n_pairs, start];
-        let out = [pairs, color, self.local.bind(), self.body.bind(), size, is_big];
+        let out = [pairs, self.local.bind(), self.body.bind(), size, is_big];
         let bound: Vec<Bound> = from.into_iter().chain(out).collect();
         for piece in 0..self.n_pieces {
-            let params = [self.most_bodies, piece, self.n_pieces];
-            commands.dispatch(device, &kernels.color, &bound, &params, of_tiles.of_level(&self.n_colored, 0));
+            let params = [MOST_BODIES, piece, self.n_pieces];
+            commands.dispatch(device, &kernels.list, &bound, &params, of_tiles.of_level(&self.n_colored, 0));
         }
         self.compact[1].record(device, commands, &self.is_big, &self.n_colored, &self.big, &self.n_big);
         let from = [pairs, sphere, fixture, activity, first, n_tiles, n_pairs, n_colored];

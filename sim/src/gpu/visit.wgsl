@@ -28,17 +28,3 @@ fn inverse_of(row: Row, mass: vec2<f32>, moment: vec2<f32>) -> vec2<f32> {
     let a = mass.x + mass.y;
     return vec2(1.0 / a, 1.0 / (a + dot(row.reach * row.reach, moment)));
 }
-
-var<workgroup> terms: array<f32, 256>;
-
-// The sum of a term over the 256 threads of the workgroup, in thread 0, in the order of `group_total`. All threads call it.
-fn term_total(thread: u32, term: f32) -> f32 {
-    terms[thread] = term;
-    for (var step = 1u; step < 256u; step <<= 1u) {
-        workgroupBarrier();
-        if thread % (2u * step) == 0u {
-            terms[thread] += terms[thread + step];
-        }
-    }
-    return terms[thread];
-}
