@@ -38,7 +38,8 @@ const FEATURES: [(&str, Features); 5] = [
 ];
 
 /// The features that a device is opened with, where the adapter has them.
-pub(crate) const USED: Features = Features::SUBGROUP.union(Features::TIMESTAMP_QUERY);
+pub(crate) const USED: Features =
+    Features::SUBGROUP.union(Features::TIMESTAMP_QUERY).union(Features::TIMESTAMP_QUERY_INSIDE_ENCODERS);
 
 impl Adapter {
     fn of(index: usize, adapter: &wgpu::Adapter) -> Adapter {

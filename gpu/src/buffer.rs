@@ -141,16 +141,12 @@ impl<T: Pod> Buffer<T> {
         )?;
         let mut encoder = device.raw.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(&self.raw, 0, &staging, 0, size);
-        device.queue.submit([encoder.finish()]);
-        let (send, mapped) = channel();
-        staging.map_async(wgpu::MapMode::Read, .., move |result| {
-            // The reader may have gone.
-            let _ = send.send(result.map_err(|e| e.to_string()));
-        });
-        Ok(ReadBack { staging, _taken: taken, mapped, n, row: PhantomData })
+        let submission = device.queue.submit([encoder.finish()]);
+        let mapped = map(&staging);
+        Ok(ReadBack { staging, _taken: taken, mapped, submission, n, row: PhantomData })
     }
 
-    /// Read the first `n` rows; waits until all submitted work is done.
+    /// Read the first `n` rows; waits until all work that has been submitted so far is done.
     ///
     /// # Errors
     /// Those of [`Buffer::read_back`] and of [`Device::check`].
@@ -164,12 +160,42 @@ fn take(device: &Device, name: &str, bytes: u64) -> Result<Arc<Taken>, GpuError>
     device.memory.take(bytes).map_err(|limit| GpuError::Limit { buffer: name.into(), bytes, limit })
 }
 
+/// Map a buffer for reading, once the work that has been submitted is done. The receiver is told so.
+pub(crate) fn map(buffer: &wgpu::Buffer) -> Receiver<Result<(), String>> {
+    let (send, mapped) = channel();
+    buffer.map_async(wgpu::MapMode::Read, .., move |result| {
+        // The reader may have gone.
+        let _ = send.send(result.map_err(|e| e.to_string()));
+    });
+    mapped
+}
+
+/// Wait for a buffer that is being mapped, which the work up to a submission writes.
+///
+/// # Errors
+/// Those of [`Device::check`].
+pub(crate) fn wait_for_map(
+    device: &Device,
+    mapped: &Receiver<Result<(), String>>,
+    submission: &wgpu::SubmissionIndex,
+) -> Result<(), GpuError> {
+    device.wait_for(submission)?;
+    mapped.recv().map_err(|_| GpuError::Device("a transfer was dropped".into()))?.map_err(GpuError::Device)
+}
+
+/// The first `n` rows of a mapped buffer.
+pub(crate) fn mapped_rows<T: Pod>(buffer: &wgpu::Buffer, n: usize) -> Result<Vec<T>, GpuError> {
+    let view = buffer.get_mapped_range(..).map_err(|e| GpuError::Device(e.to_string()))?;
+    Ok(bytemuck::pod_collect_to_vec(&view[..n * size_of::<T>()]))
+}
+
 /// Rows on their way back from a device.
 pub struct ReadBack<T> {
     staging: wgpu::Buffer,
     /// What they take of the device's memory.
     _taken: Arc<Taken>,
     mapped: Receiver<Result<(), String>>,
+    submission: wgpu::SubmissionIndex,
     n: usize,
     row: PhantomData<T>,
 }
@@ -184,7 +210,10 @@ impl<T: Pod> ReadBack<T> {
         device.check()?;
         polled.map_err(|e| GpuError::Device(e.to_string()))?;
         match self.mapped.try_recv() {
-            Ok(result) => self.take(result).map(Ok),
+            Ok(result) => {
+                result.map_err(GpuError::Device)?;
+                mapped_rows(&self.staging, self.n).map(Ok)
+            }
             Err(TryRecvError::Empty) => Ok(Err(self)),
             Err(TryRecvError::Disconnected) => Err(GpuError::Device("a transfer was dropped".into())),
         }
@@ -195,14 +224,7 @@ impl<T: Pod> ReadBack<T> {
     /// # Errors
     /// Those of [`Device::check`].
     pub fn wait(self, device: &Device) -> Result<Vec<T>, GpuError> {
-        device.wait()?;
-        let result = self.mapped.recv().map_err(|_| GpuError::Device("a transfer was dropped".into()))?;
-        self.take(result)
-    }
-
-    fn take(&self, mapped: Result<(), String>) -> Result<Vec<T>, GpuError> {
-        mapped.map_err(GpuError::Device)?;
-        let view = self.staging.get_mapped_range(..).map_err(|e| GpuError::Device(e.to_string()))?;
-        Ok(bytemuck::pod_collect_to_vec(&view[..self.n * size_of::<T>()]))
+        wait_for_map(device, &self.mapped, &self.submission)?;
+        mapped_rows(&self.staging, self.n)
     }
 }

@@ -1,10 +1,11 @@
 //! Commands: dispatches, copies and clears, recorded once and submitted together any number of times, timed by stage.
 
-use crate::buffer::{Bound, Buffer, ReadBack};
+use crate::buffer::{Bound, Buffer};
 use crate::device::Device;
 use crate::error::GpuError;
 use crate::kernel::Kernel;
 use crate::pace::{Key, Unit};
+use crate::times::{MAX_TIMED, Ticks, Times};
 use bytemuck::Pod;
 use std::time::Instant;
 
@@ -13,9 +14,6 @@ const MAX_GROUPS: u32 = 65_535;
 
 /// The most bytes that a command copies or clears: longer runs are several commands, so that none keeps a device for long.
 const MOST_BYTES: u64 = 1 << 24;
-
-/// The most spans that are timed, by the limit of a query set.
-const MAX_TIMED: usize = wgpu::QUERY_SET_MAX_QUERIES as usize / 2;
 
 /// The number of workgroups of a dispatch.
 #[derive(Clone, Copy, Debug)]
@@ -159,7 +157,8 @@ impl Commands {
             .flat_map(|(k, own)| own.chunk_by(|a, b| a.1.key.0 == b.1.key.0).map(move |units| (k, units)))
             .collect();
         let is_timed = device.has_timestamps && (1..=MAX_TIMED).contains(&spans.len());
-        let times = if is_timed { Some(Times::new(device, spans.len())?) } else { None };
+        let times = is_timed.then(|| Times::take(device, spans.len()));
+        let mut last = None;
         let mut next = 0;
         for (k, submission) in plan.iter().enumerate() {
             let mut encoder = device.raw.create_command_encoder(&Default::default());
@@ -167,7 +166,7 @@ impl Commands {
                 let of_unit = |(stage, unit): &(usize, Unit)| &stages[*stage].commands[unit.first..unit.end];
                 let commands: Vec<&Command> = units.iter().flat_map(of_unit).collect();
                 let name = units[0].1.key.0;
-                encode(&mut encoder, (name, &commands), times.as_ref().map(|t| t.of_span(next)));
+                encode(device, &mut encoder, (name, &commands), times.as_ref().map(|t| t.of_span(next)));
                 next += 1;
             }
             if let Some(times) = times.as_ref().filter(|_| k + 1 == plan.len()) {
@@ -178,7 +177,7 @@ impl Commands {
                 device.wait()?;
             }
             let started = Instant::now();
-            device.queue.submit([encoder.finish()]);
+            last = Some(device.queue.submit([encoder.finish()]));
             if waits {
                 device.wait()?;
                 let (seconds, units) = (started.elapsed().as_secs_f64(), units_of(submission));
@@ -187,7 +186,7 @@ impl Commands {
             }
         }
         let spans = spans.into_iter().map(|(submission, own)| Span { submission, units: units_of(own) }).collect();
-        let ticks = times.map(|t| t.read_back(device)).transpose()?;
+        let ticks = times.zip(last).map(|(times, last)| times.read_back(last));
         Ok(Timings { spans, ticks, is_observed: true })
     }
 
@@ -228,15 +227,16 @@ impl Commands {
     }
 }
 
-/// Encode commands: a pass for each run of dispatches between copies and clears, and two empty passes that take the time.
+/// Encode commands: a pass for each run of dispatches between copies and clears, and the time before and after them.
 fn encode(
+    device: &Device,
     encoder: &mut wgpu::CommandEncoder,
     (name, commands): (&str, &[&Command]),
     times: Option<(&wgpu::QuerySet, u32)>,
 ) {
     let is_dispatch = |c: &Command| matches!(c, Command::Dispatch { .. } | Command::Indirect { .. });
     if let Some((set, first)) = times {
-        mark(encoder, set, first);
+        mark(device, encoder, set, first);
     }
     for run in commands.chunk_by(|a, b| is_dispatch(a) && is_dispatch(b)) {
         if is_dispatch(run[0]) {
@@ -248,12 +248,16 @@ fn encode(
         }
     }
     if let Some((set, first)) = times {
-        mark(encoder, set, first + 1);
+        mark(device, encoder, set, first + 1);
     }
 }
 
-/// Take the time in an empty pass.
-fn mark(encoder: &mut wgpu::CommandEncoder, query_set: &wgpu::QuerySet, index: u32) {
+/// Take the time; in an empty pass, where the adapter takes none between passes.
+fn mark(device: &Device, encoder: &mut wgpu::CommandEncoder, query_set: &wgpu::QuerySet, index: u32) {
+    if device.has_timestamps_between {
+        encoder.write_timestamp(query_set, index);
+        return;
+    }
     let writes = wgpu::ComputePassTimestampWrites {
         query_set,
         beginning_of_pass_write_index: Some(index),
@@ -286,49 +290,10 @@ fn transfer(encoder: &mut wgpu::CommandEncoder, command: &Command) {
     }
 }
 
-/// Timestamps at the beginning and the end of each span of commands.
-struct Times {
-    set: wgpu::QuerySet,
-    ticks: Buffer<u64>,
-    resolved: wgpu::Buffer,
-    n: u32,
-}
-
-impl Times {
-    fn new(device: &Device, n_spans: usize) -> Result<Times, GpuError> {
-        let n = 2 * n_spans as u32;
-        let set = device.raw.create_query_set(&wgpu::QuerySetDescriptor {
-            label: Some("stages"),
-            ty: wgpu::QueryType::Timestamp,
-            count: n,
-        });
-        let resolved = device.raw.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("stages"),
-            size: n as u64 * 8,
-            usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        Ok(Times { set, ticks: Buffer::zeros(device, "stages", n as usize)?, resolved, n })
-    }
-
-    fn of_span(&self, span: usize) -> (&wgpu::QuerySet, u32) {
-        (&self.set, 2 * span as u32)
-    }
-
-    fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
-        encoder.resolve_query_set(&self.set, 0..self.n, &self.resolved, 0);
-        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.ticks.raw, 0, self.n as u64 * 8);
-    }
-
-    fn read_back(&self, device: &Device) -> Result<ReadBack<u64>, GpuError> {
-        self.ticks.read_back(device, self.n as usize)
-    }
-}
-
 /// The times of the stages of submitted commands.
 pub struct Timings {
     spans: Vec<Span>,
-    ticks: Option<ReadBack<u64>>,
+    ticks: Option<Ticks>,
     /// Whether later submissions are cut by these times.
     is_observed: bool,
 }

@@ -3,6 +3,7 @@
 use crate::adapter::{Adapter, Choice, USED, choose};
 use crate::error::GpuError;
 use crate::pace::Pace;
+use crate::times::Times;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -19,11 +20,14 @@ pub struct Device {
     pub(crate) subgroup: Option<[u32; 2]>,
     /// Whether stages are timed.
     pub(crate) has_timestamps: bool,
+    /// Whether times are taken between passes.
+    pub(crate) has_timestamps_between: bool,
     lost: Message,
     fault: Message,
     /// Held while errors are caught: those of all threads go into one stack of scopes.
     scopes: Mutex<()>,
     pace: Mutex<Pace>,
+    idle_times: Mutex<Vec<Times>>,
     pub(crate) memory: Arc<Memory>,
 }
 
@@ -101,8 +105,22 @@ impl Device {
         raw.on_uncaptured_error(Arc::new(move |error: wgpu::Error| leave(&note, error.to_string())));
         let subgroup = adapter.subgroup;
         let has_timestamps = features.contains(wgpu::Features::TIMESTAMP_QUERY);
-        let (scopes, pace, memory) = Default::default();
-        Ok(Device { adapter, raw, queue, subgroup, has_timestamps, lost, fault, scopes, pace, memory })
+        let has_timestamps_between = features.contains(wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS);
+        let (scopes, pace, idle_times, memory) = Default::default();
+        Ok(Device {
+            adapter,
+            raw,
+            queue,
+            subgroup,
+            has_timestamps,
+            has_timestamps_between,
+            lost,
+            fault,
+            scopes,
+            pace,
+            idle_times,
+            memory,
+        })
     }
 
     /// The most bytes that buffers have taken together.
@@ -168,6 +186,22 @@ impl Device {
         let done = self.raw.poll(wgpu::PollType::wait_indefinitely());
         self.check()?;
         done.map(|_| ()).map_err(|e| GpuError::Device(e.to_string()))
+    }
+
+    /// Wait until the work up to a submission is done.
+    ///
+    /// # Errors
+    /// Those of [`Device::check`].
+    pub(crate) fn wait_for(&self, submission: &wgpu::SubmissionIndex) -> Result<(), GpuError> {
+        let until = wgpu::PollType::Wait { submission_index: Some(submission.clone()), timeout: None };
+        let done = self.raw.poll(until);
+        self.check()?;
+        done.map(|_| ()).map_err(|e| GpuError::Device(e.to_string()))
+    }
+
+    /// The timestamps that commands have done with, for others.
+    pub(crate) fn idle_times(&self) -> MutexGuard<'_, Vec<Times>> {
+        self.idle_times.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Create something on the device; an error of validation, of the driver or of memory is given to `error`.

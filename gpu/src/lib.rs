@@ -22,6 +22,7 @@ pub mod radix_sort;
 pub mod reduce;
 pub mod scan;
 pub mod segments;
+mod times;
 
 pub use adapter::{Adapter, Choice, adapters, may_have_hardware};
 pub use bandwidth::copy_bandwidth;

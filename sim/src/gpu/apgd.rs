@@ -61,16 +61,17 @@ impl Apgd {
     /// Record a trial. Returns the iterates, which are checked at intervals.
     pub fn record(&self, device: &Device, commands: &mut Commands, problem: &Problem) -> &Iterates {
         let (scalars, n) = (problem.scalars.bind(), problem.n_contacts.n.bind());
-        let ([row, z, free, side, start], y) = (problem.sums_of_bodies(&problem.gamma), self.motion_y.bind());
+        let ([z, free, side, start], y) = (problem.sums_of_bodies(), self.motion_y.bind());
+        let (row, spin) = (problem.row(), problem.spin.bind());
         let (sums, body_sums, work) = (problem.of_contacts.bind(), problem.of_bodies.bind(), problem.work.bind());
         let next = self.motion_next.bind();
         let [roll, roll_row] = problem.rolling();
         let [x, roll_x] = self.iterates.x();
         let rolling = [roll_x, self.roll_previous.bind(), roll, roll_row];
         let of_contacts = [row, y, x, self.previous.bind(), z, sums, scalars, n];
-        let of_contacts: Vec<Bound> = of_contacts.into_iter().chain(rolling).collect();
+        let of_contacts: Vec<Bound> = of_contacts.into_iter().chain(rolling).chain([spin]).collect();
         let [mass, orientation] = problem.inertia();
-        let of_bodies = [row, z, free, side, start, y, next, body_sums, mass, orientation, roll];
+        let of_bodies = [spin, z, free, side, start, y, next, body_sums, mass, orientation, roll];
         let of_decision = [sums, body_sums, scalars, work, n];
         let of_motion = [next, problem.motion.bind(), y, scalars];
         commands.dispatch(device, &self.contact, &of_contacts, &[], problem.any_contacts());

@@ -19,8 +19,10 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     // Once the solve has ended, nothing is checked until all is.
     let is_due = work[2].x > 0u || params[2] == 1u;
     var sums = vec4(0.0);
-    for (var i = thread; i < select(0u, groups_of(count[0]), is_due); i += 256u) {
-        sums += parts[i];
+    let n_parts = select(0u, groups_of(count[0]), is_due);
+    for (var i = thread; i < n_parts; i += 1024u) {
+        let first = parts[i] + below(parts[min(i + 256u, n_parts - 1u)], i + 256u, n_parts);
+        sums += first + (below(parts[min(i + 512u, n_parts - 1u)], i + 512u, n_parts) + below(parts[min(i + 768u, n_parts - 1u)], i + 768u, n_parts));
     }
     sums = group_total(thread, sums);
     if thread != 0u {

@@ -1,5 +1,5 @@
 // APGD: the velocities that a trial z gives the bodies, and the energy of their difference from those of y, summed over a workgroup.
-// in   row         [n_contacts]
+// in   spin        [n_contacts]    what z turns the bodies by, as in `spin.wgsl`
 // in   gamma       [n_contacts]    N s, world: z
 // in   free        [n_bodies]      m/s, rad/s
 // in   side        [2 n_contacts]  sorted by body: twice the contact, and one more for B
@@ -12,10 +12,11 @@
 // in    roll     [n_contacts]  N m s, world: rolling and spinning impulses on B
 // Twin: cpu/solve/apgd.rs
 #import sphere
+#import body_spin
 #import body_response
 #import partial
 
-@group(0) @binding(0) var<storage, read> rows: array<Row>;
+@group(0) @binding(0) var<storage, read> spin: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read> gamma: array<vec4<f32>>;
 @group(0) @binding(2) var<storage, read> free: array<Body>;
 @group(0) @binding(3) var<storage, read> side: array<u32>;

@@ -9,12 +9,14 @@
 // in    count     [1]           n_contacts
 // inout roll_x, roll_previous, roll_next [n_contacts]  N m s, world: the same of rolling and spinning impulses
 // in    roll_row [n_contacts]
+// out   spin     [n_contacts]  what z turns the bodies by, as in `spin.wgsl`
 // Twin: cpu/solve/apgd.rs
 #import sphere
 #import project
 #import scalars
 #import partial
 #import roll
+#import leave_spin
 
 @group(0) @binding(0) var<storage, read> rows: array<Row>;
 @group(0) @binding(1) var<storage, read> motion_y: array<Body>;
@@ -28,6 +30,7 @@
 @group(0) @binding(9) var<storage, read_write> roll_previous: array<vec4<f32>>;
 @group(0) @binding(10) var<storage, read_write> roll_next: array<vec4<f32>>;
 @group(0) @binding(11) var<storage, read> roll_row: array<vec4<f32>>;
+@group(0) @binding(12) var<storage, read_write> spin: array<vec4<f32>>;
 
 // The trial of the rolling impulse of a contact with the impulse x, and what it adds to the sums.
 fn roll_trial(k: u32, row: Row, gamma: vec3<f32>) -> vec4<f32> {
@@ -64,7 +67,8 @@ fn trial_of(k: u32) -> vec4<f32> {
     let y = x + (x - before) * scalars[0].beta;
     let gradient = gradient_of(row, motion_y[row.bodies.x], motion_y[row.bodies.y]);
     let z = project_row(y - gradient * (scalars[0].step * row.eta), row);
-    next[k] = vec4(z, 0.0);
+    next[k] = with_arm(row, z);
+    leave_spin(k, row, z);
     var own = vec4(dot(z - y, z - y) / row.eta, dot(gradient, z - x), 0.0, 0.0);
     if ROLLS {
         own += roll_trial(k, row, x);

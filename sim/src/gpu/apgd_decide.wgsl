@@ -26,13 +26,17 @@ const SHORT: u32 = 100u;
 fn main(@builtin(local_invocation_index) thread: u32) {
     let is_active = scalars[0].goes_on == 1u;
     var contacts = vec4(0.0);
-    for (var i = thread; i < select(0u, groups_of(count[0]), is_active); i += 256u) {
-        contacts += of_contacts[i];
+    let n_of_contacts = select(0u, groups_of(count[0]), is_active);
+    for (var i = thread; i < n_of_contacts; i += 1024u) {
+        let first = of_contacts[i] + below(of_contacts[min(i + 256u, n_of_contacts - 1u)], i + 256u, n_of_contacts);
+        contacts += first + (below(of_contacts[min(i + 512u, n_of_contacts - 1u)], i + 512u, n_of_contacts) + below(of_contacts[min(i + 768u, n_of_contacts - 1u)], i + 768u, n_of_contacts));
     }
     contacts = group_total(thread, contacts);
     var bodies = vec4(0.0);
-    for (var i = thread; i < select(0u, groups_of(params[0]), is_active); i += 256u) {
-        bodies += of_bodies[i];
+    let n_of_bodies = select(0u, groups_of(params[0]), is_active);
+    for (var i = thread; i < n_of_bodies; i += 1024u) {
+        let first = of_bodies[i] + below(of_bodies[min(i + 256u, n_of_bodies - 1u)], i + 256u, n_of_bodies);
+        bodies += first + (below(of_bodies[min(i + 512u, n_of_bodies - 1u)], i + 512u, n_of_bodies) + below(of_bodies[min(i + 768u, n_of_bodies - 1u)], i + 768u, n_of_bodies));
     }
     bodies = group_total(thread, bodies);
     if thread != 0u {

@@ -62,14 +62,15 @@ impl BarzilaiBorwein {
     /// Record an iteration. Returns the iterates, which are checked at intervals.
     pub fn record(&self, device: &Device, commands: &mut Commands, problem: &Problem) -> &Iterates {
         let (scalars, n) = (problem.scalars.bind(), problem.n_contacts.n.bind());
-        let ([row, z, free, side, start], motion) = (problem.sums_of_bodies(&problem.gamma), problem.motion.bind());
+        let ([z, free, side, start], motion) = (problem.sums_of_bodies(), problem.motion.bind());
+        let (row, spin) = (problem.row(), problem.spin.bind());
         let (sums, body_sums, work) = (problem.of_contacts.bind(), problem.of_bodies.bind(), problem.work.bind());
         let next = self.motion_next.bind();
         let [roll, roll_row] = problem.rolling();
         let [x, roll_x] = self.iterates.x();
-        let of_contacts = [row, motion, x, z, sums, scalars, n, roll_x, roll, roll_row];
+        let of_contacts = [row, motion, x, z, sums, scalars, n, roll_x, roll, roll_row, spin];
         let [mass, orientation] = problem.inertia();
-        let of_bodies = [row, z, free, side, start, motion, next, body_sums, mass, orientation, roll];
+        let of_bodies = [spin, z, free, side, start, motion, next, body_sums, mass, orientation, roll];
         let of_decision = [sums, body_sums, scalars, work, n];
         let [over_contacts, over_bodies, until_end] = [0, 1, 2].map(|row| Work::Indirect(&problem.work, row));
         commands.dispatch(device, &self.contact, &of_contacts, &[], over_contacts);

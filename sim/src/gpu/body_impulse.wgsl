@@ -1,13 +1,8 @@
 // What impulses do to a body, from the columns `rows`, `gamma`, `side`, `side_start` and, where there is rolling friction, `roll` of the
 // kernel. A body sums over its contacts in their order, so that a run repeats bit for bit.
 #import solve_row
+#import impulse
 #import rolls
-
-// Impulse, N s, and angular impulse, N m s.
-struct Impulse {
-    linear: vec3<f32>,
-    angular: vec3<f32>,
-}
 
 fn impulse_on(body: u32) -> Impulse {
     var impulse = vec3(0.0);

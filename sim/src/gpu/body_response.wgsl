@@ -1,6 +1,5 @@
-// The velocities that impulses give a body, v_free + M⁻¹ D γ, from the columns of `body_impulse` and `free` of the kernel, and where inertia
-// is not isotropic from `mass` and `orientation`.
-#import body_impulse
+// The velocities that impulses give a body, v_free + M⁻¹ D γ, from the columns of `body_impulse` or `body_spin`, which the kernel imports, and of
+// `free`, and where inertia is not isotropic from `mass` and `orientation`.
 #import inertia
 
 fn response_of(body: u32) -> Body {

@@ -26,7 +26,7 @@ use super::{force, jacobi, scale};
 use crate::model::Model;
 use crate::plan::has_joints;
 use crate::settings::{FrictionLaw, Method, SolverSettings};
-use gpu::{Buffer, Commands, Device, GpuError, Kernels, Timings};
+use gpu::{Buffer, Commands, Device, GpuError, Kernels, ReadBack, Timings};
 use std::time::Instant;
 
 /// Name of the stage.
@@ -35,7 +35,7 @@ const STAGE: &str = "contact_solve";
 /// Iterations that are submitted at a time.
 const PART: u32 = 50;
 
-/// Parts of the iterations that are submitted before the device is asked whether more are needed.
+/// Parts of the iterations that are submitted from one question whether more are needed to its answer.
 const UNASKED: u32 = 2;
 
 /// Places of the step length, the iterations so far, whether the solve goes on, and the residual in the scalars.
@@ -143,7 +143,7 @@ impl ContactSolve {
         (collision, joints): (&Collision, Option<&Joints>),
     ) -> Result<ContactSolve, Fault> {
         let feeds = settings.friction == FrictionLaw::Exact && method != Method::GaussSeidel;
-        let problem = Problem::new(device, kernels, (model, feeds), (collision, joints))?;
+        let problem = Problem::new(device, kernels, (model, method, feeds), (collision, joints))?;
         // Jacobi feeds the slip of each iterate.
         let by_rounds = feeds && method != Method::Jacobi;
         let exact = if by_rounds { Some(Exact::new(device, kernels, &problem)?) } else { None };
@@ -281,12 +281,20 @@ impl ContactSolve {
         most: u32,
         times: &mut Submissions,
     ) -> Result<(), GpuError> {
-        for part in 0..most.div_ceil(PART) {
-            if part > 0 && part.is_multiple_of(UNASKED) && !self.goes_on(device)? {
+        // The part after which the device was asked, and its answer: the next part is on its way by then.
+        let mut asked: Option<(u32, ReadBack<[u32; 16]>)> = None;
+        let parts = most.div_ceil(PART);
+        for part in 0..parts {
+            if let Some((_, answer)) = asked.take_if(|(after, _)| part >= *after + UNASKED)
+                && answer.wait(device)?[0][GOES_ON] == 0
+            {
                 break;
             }
             let lists = solve.lists(PART * part, most.min(PART * (part + 1)));
             times.iterations.push(Commands::submit_all(device, lists)?.unobserved());
+            if asked.is_none() && part + UNASKED < parts {
+                asked = Some((part, self.problem.scalars.read_back(device, 1)?));
+            }
         }
         Ok(())
     }
@@ -307,7 +315,7 @@ impl ContactSolve {
         exact.record_again(device, again, (&self.problem, self.first_length()));
         if self.problem.joints.is_some() {
             // The multipliers of the joints are those of the round's solution.
-            self.problem.record_response(device, again, false);
+            self.problem.record_response(device, again);
         }
         self.record_iterates(again);
         Ok(own)
@@ -414,7 +422,7 @@ impl ContactSolve {
             // Its residual is that of the visits. The velocities are summed again from the impulses, whose momentum is exact.
             Columns::GaussSeidel(_) => {
                 let problem = &self.problem;
-                problem.record_response(device, commands, false);
+                problem.record_response(device, commands);
                 return;
             }
             Columns::Apgd(apgd) => apgd.record_end(device, commands, &self.problem),

@@ -39,13 +39,13 @@ pub fn record(
     let [roll, roll_row] = problem.rolling();
     let slip = problem.slip.bind();
     let of_contacts =
-        [problem.row(), problem.motion.bind(), problem.gamma.bind(), scalars, sums, n, roll, roll_row, slip];
+        [problem.row(), problem.motion.bind(), problem.gamma.bind(), scalars, sums, n, roll, roll_row, slip, problem.spin.bind()];
     let of_step = [bits(settings.lambda), problem.feeds as u32, bits(fall), bits(KNOWN * settings.tolerance)];
     let of_decision = [sums, scalars, problem.work.bind(), n];
     let share = if problem.feeds { SHARE } else { 1.0 };
     let params = [bits(share * settings.tolerance), settings.omega.is_some() as u32];
     commands.dispatch(device, &contact, &of_contacts, &of_step, problem.any_contacts());
     commands.dispatch(device, &decide, &of_decision, &params, Work::Groups(1));
-    problem.record_response(device, commands, true);
+    problem.record_iterate(device, commands);
     Ok(())
 }

@@ -1,13 +1,14 @@
 // Projected Jacobi, first half of an iteration: γ⁺ = λ Π(γ − ω η (Nγ + r)) + (1 − λ) γ, from the velocities that γ gives the bodies.
 // inout row      [n_contacts]
 // in    motion   [n_bodies]    m/s, rad/s
-// inout gamma    [n_contacts]  N s, world; the fourth number is not used
+// inout gamma    [n_contacts]  N s, world; the fourth number as in `spin.wgsl`
 // in    scalars  [1]
 // out   parts    [n_groups]    residual terms of γ squared, |γ⁺ − γ|²/η, |γ|²/η, summed over a workgroup
 // in    count    [1]           n_contacts
 // inout roll     [n_contacts]  N m s, world: rolling and spinning impulses on B
 // in    roll_row [n_contacts]
 // in    slip     [n_contacts]  m/s, where slip is fed: the offset without slip
+// out   spin     [n_contacts]  N m s, N s or world: what γ⁺ turns the bodies by
 // in    params   [4]           as bits: λ; whether the slip of each iterate is fed, by Coulomb's law itself; the least slip over μ that is
 //                              fed (m/s), and slip that is known over the root of the number of blocks (m/s)
 // Twin: cpu/solve/jacobi.rs
@@ -18,6 +19,7 @@
 #import scalars
 #import partial
 #import roll
+#import leave_spin
 
 @group(0) @binding(0) var<storage, read_write> rows: array<Row>;
 @group(0) @binding(1) var<storage, read> motion: array<Body>;
@@ -28,7 +30,8 @@
 @group(0) @binding(6) var<storage, read_write> roll: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read> roll_row: array<vec4<f32>>;
 @group(0) @binding(8) var<storage, read> slip: array<vec4<f32>>;
-@group(0) @binding(9) var<storage, read> params: array<u32>;
+@group(0) @binding(9) var<storage, read_write> spin: array<vec4<f32>>;
+@group(0) @binding(10) var<storage, read> params: array<u32>;
 
 // The step of the rolling impulse of a contact with the impulse γ, and what it adds to the sums.
 fn roll_step(k: u32, row: Row, gamma_k: vec3<f32>, lambda: f32) -> vec4<f32> {
@@ -60,7 +63,8 @@ fn step_of(k: u32) -> vec4<f32> {
     let z = project_row(x - gradient * (scalars[0].omega * row.eta), row);
     let lambda = bitcast<f32>(params[0]);
     let next = z * lambda + x * (1.0 - lambda);
-    gamma[k] = vec4(next, 0.0);
+    gamma[k] = with_arm(row, next);
+    leave_spin(k, row, next);
     let term = residual_term(x, gradient, row);
     var own = vec4(dot(term, term), dot(next - x, next - x) / row.eta, dot(x, x) / row.eta, 0.0);
     if ROLLS {

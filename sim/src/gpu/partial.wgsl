@@ -16,6 +16,11 @@ fn group_total(thread: u32, value: vec4<f32>) -> vec4<f32> {
     return partial_values[thread];
 }
 
+// A sum of the rows before the n-th, of which a kernel of one workgroup takes four at a time, so that none is waited for alone.
+fn below(sum: vec4<f32>, i: u32, n: u32) -> vec4<f32> {
+    return select(vec4(0.0), sum, i < n);
+}
+
 fn groups_of(n: u32) -> u32 {
     return n / 256u + select(0u, 1u, n % 256u != 0u);
 }

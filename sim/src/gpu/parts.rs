@@ -24,7 +24,11 @@ const PARTS: &[Part<'static>] = parts!(
     "solve_row",
     "project",
     "residual_term",
+    "impulse",
     "body_impulse",
+    "body_spin",
+    "spin",
+    "leave_spin",
     "body_response",
     "joint_solve",
     "partial",
@@ -65,7 +69,7 @@ const PARTS: &[Part<'static>] = parts!(
 
 /// Those that stand in their stead for shapes of any kind.
 const ANY_PARTS: &[Part<'static>] =
-    parts!("_any": "row", "inertia", "contact_row", "shape_box", "push", "displaced", "spun");
+    parts!("_any": "row", "inertia", "contact_row", "shape_box", "push", "displaced", "spun", "spin", "leave_spin");
 
 /// The part that stands in for its own for contacts with rolling friction.
 const ROLL_PARTS: &[Part<'static>] = parts!("_with": "rolls");

@@ -19,7 +19,7 @@ use super::parts::{Layout, ROWS, bits, groups, kernel, kernel_of};
 use super::rows::{Arms, Body, Contact};
 use crate::model::{ContactLaw, Model};
 use crate::plan::{Narrow, coheres};
-use crate::settings::Impacts;
+use crate::settings::{Impacts, Method};
 use gpu::radix_sort::RadixSort;
 use gpu::{Bound, Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels, Work};
 
@@ -39,6 +39,8 @@ pub struct Problem {
     pub free: Buffer<Body>,
     /// Impulses on B, N s, world; the fourth numbers are not used (n_contacts).
     pub gamma: Buffer<[f32; 4]>,
+    /// What the impulses of an iterate turn the bodies by, as in `spin.wgsl`, where a method makes iterates of all impulses at once; else one row.
+    pub spin: Buffer<[f32; 4]>,
     /// Velocities with these impulses, m/s, rad/s (n_bodies).
     pub motion: Buffer<Body>,
     /// The scalars of the solve (1).
@@ -103,6 +105,7 @@ struct ProblemKernels {
     clear: Kernel,
     start: Kernel,
     response: Kernel,
+    spin_response: Kernel,
     residual: Kernel,
     residual_sum: Kernel,
 }
@@ -113,7 +116,7 @@ impl Problem {
     pub fn new(
         device: &Device,
         kernels: &Kernels,
-        (model, feeds): (&Model, bool),
+        (model, method, feeds): (&Model, Method, bool),
         (collision, joints): (&Collision, Option<&Joints>),
     ) -> Result<Problem, Fault> {
         let (contact, n_contacts) = collision.columns();
@@ -128,6 +131,11 @@ impl Problem {
         let rolling = if collision.bodies.layout.rolls { room } else { 1 };
         let bodies = &collision.bodies;
         let layout = bodies.layout;
+        let spins = match (method, layout.narrow) {
+            (Method::GaussSeidel, _) => 1,
+            (_, Narrow::Spheres) => room,
+            (_, Narrow::Any) => 2 * room,
+        };
         let get = |name, text| kernel_of(layout, device, kernels, (name, text));
         let plain = |name, text| kernel(device, kernels, name, text);
         Ok(Problem {
@@ -138,6 +146,7 @@ impl Problem {
             arms: collision.arms().clone(),
             free: Buffer::zeros(device, "free", n_bodies)?,
             gamma: Buffer::zeros(device, "gamma", room)?,
+            spin: Buffer::zeros(device, "spin", spins)?,
             motion: Buffer::zeros(device, "motion", n_bodies)?,
             scalars: Buffer::zeros(device, "scalars", 1)?,
             work: Buffer::zeros(device, "work", 5)?,
@@ -153,6 +162,7 @@ impl Problem {
                 clear: plain("bin_clear", include_str!("bin_clear.wgsl"))?,
                 start: plain("bin_start", include_str!("bin_start.wgsl"))?,
                 response: get("response", include_str!("response.wgsl"))?,
+                spin_response: get("spin_response", include_str!("spin_response.wgsl"))?,
                 residual: get("residual", include_str!("residual.wgsl"))?,
                 residual_sum: get("residual_sum", include_str!("residual_sum.wgsl"))?,
             },
@@ -210,15 +220,31 @@ impl Problem {
         self.side_groups.record(device, commands, &self.n_sides);
         let bound = [body.bind(), self.side_start.bind(), self.n_sides.n.bind()];
         commands.dispatch(device, &self.kernels.start, &bound, &[], self.side_groups.of_level(&self.n_sides, 0));
-        self.record_response(device, commands, false);
+        self.record_response(device, commands);
     }
 
-    /// Record the velocities with the impulses; with `is_checked`, those of joints where an iteration has bodies to do.
-    pub fn record_response(&self, device: &Device, commands: &mut Commands, is_checked: bool) {
-        let [row, gamma, free, side, start] = self.sums_of_bodies(&self.gamma);
+    /// Record the velocities with the impulses.
+    pub fn record_response(&self, device: &Device, commands: &mut Commands) {
+        self.record_response_of(device, commands, (&self.kernels.response, self.row()), false);
+    }
+
+    /// Record the velocities with the impulses of an iterate, which has left what they turn the bodies by.
+    pub fn record_iterate(&self, device: &Device, commands: &mut Commands) {
+        self.record_response_of(device, commands, (&self.kernels.spin_response, self.spin.bind()), true);
+    }
+
+    /// With `is_checked` the velocities of joints are solved where an iteration has bodies to do.
+    fn record_response_of(
+        &self,
+        device: &Device,
+        commands: &mut Commands,
+        (kernel, turns): (&Kernel, Bound),
+        is_checked: bool,
+    ) {
+        let [gamma, free, side, start] = self.sums_of_bodies();
         let [mass, orientation] = self.inertia();
-        let bound = [row, gamma, free, side, start, self.motion.bind(), mass, orientation, self.roll.bind()];
-        commands.dispatch(device, &self.kernels.response, &bound, &[], self.bodies());
+        let bound = [turns, gamma, free, side, start, self.motion.bind(), mass, orientation, self.roll.bind()];
+        commands.dispatch(device, kernel, &bound, &[], self.bodies());
         if let Some(joints) = &self.joints {
             joints.record_response(device, commands, &self.of_joints(), is_checked);
         }
@@ -309,9 +335,9 @@ impl Problem {
         [self.sides[1].bind(), self.side_start.bind()]
     }
 
-    /// What a kernel that sums over the contacts of bodies binds: rows, impulses, free velocities, sides, starts.
-    pub fn sums_of_bodies<'a>(&'a self, gamma: &'a Buffer<[f32; 4]>) -> [Bound<'a>; 5] {
+    /// What a kernel that sums over the contacts of bodies binds beside what turns them: impulses, free velocities, sides, starts.
+    pub fn sums_of_bodies(&self) -> [Bound<'_>; 4] {
         let [side, start] = self.sides();
-        [self.row(), gamma.bind(), self.free.bind(), side, start]
+        [self.gamma.bind(), self.free.bind(), side, start]
     }
 }

@@ -12,8 +12,10 @@
 @compute @workgroup_size(256)
 fn main(@builtin(local_invocation_index) thread: u32) {
     var sums = vec4(0.0);
-    for (var i = thread; i < groups_of(count[0]); i += 256u) {
-        sums += parts[i];
+    let n_parts = groups_of(count[0]);
+    for (var i = thread; i < n_parts; i += 1024u) {
+        let first = parts[i] + below(parts[min(i + 256u, n_parts - 1u)], i + 256u, n_parts);
+        sums += first + (below(parts[min(i + 512u, n_parts - 1u)], i + 512u, n_parts) + below(parts[min(i + 768u, n_parts - 1u)], i + 768u, n_parts));
     }
     sums = group_total(thread, sums);
     if thread == 0u {

@@ -10,6 +10,7 @@
 // in    roll     [n_contacts]  N m s, world: rolling and spinning impulses on B
 // Twin: cpu/solve/bodies.rs
 #import sphere
+#import body_impulse
 #import body_response
 
 @group(0) @binding(0) var<storage, read> rows: array<Row>;

@@ -43,6 +43,6 @@ pub fn record(
     commands.dispatch(device, &start, &[of_contacts, scalars, work, n], &[n_bodies, bits(omega)], one);
     let apply = get("scale_apply", include_str!("scale_apply.wgsl"))?;
     commands.dispatch(device, &apply, &[gamma, scalars, n, roll], &[], problem.contacts());
-    problem.record_response(device, commands, false);
+    problem.record_response(device, commands);
     Ok(())
 }

@@ -9,12 +9,14 @@
 // in    roll_x    [n_contacts]  N m s, world: rolling and spinning impulses on B
 // out   roll_next [n_contacts]  N m s, world
 // in    roll_row  [n_contacts]
+// out   spin     [n_contacts]  what z turns the bodies by, as in `spin.wgsl`
 // Twin: cpu/solve/barzilai_borwein.rs
 #import sphere
 #import project
 #import scalars
 #import partial
 #import roll
+#import leave_spin
 
 @group(0) @binding(0) var<storage, read> rows: array<Row>;
 @group(0) @binding(1) var<storage, read> motion: array<Body>;
@@ -26,6 +28,7 @@
 @group(0) @binding(7) var<storage, read> roll_x: array<vec4<f32>>;
 @group(0) @binding(8) var<storage, read_write> roll_next: array<vec4<f32>>;
 @group(0) @binding(9) var<storage, read> roll_row: array<vec4<f32>>;
+@group(0) @binding(10) var<storage, read_write> spin: array<vec4<f32>>;
 
 // The trial of the rolling impulse of a contact with the impulse x, and what it adds to the sums.
 fn roll_trial(k: u32, row: Row, gamma: vec3<f32>) -> vec4<f32> {
@@ -46,7 +49,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let x = x_column[k].xyz;
         let gradient = gradient_of(row, motion[row.bodies.x], motion[row.bodies.y]);
         let z = project_row(x - gradient * (scalars[0].omega * row.eta), row);
-        next[k] = vec4(z, 0.0);
+        next[k] = with_arm(row, z);
+        leave_spin(k, row, z);
         own = vec4(dot(z - x, z - x) / row.eta, dot(gradient, z - x), 0.0, 0.0);
         if ROLLS {
             own += roll_trial(k, row, x);

@@ -47,7 +47,7 @@ fn tumbled(before: vec4<f32>, w: vec3<f32>, inverse: vec3<f32>, h: f32) -> Spun 
         now = about(now, fast, rates.y, time);
         now = about(now, slow, rates.x, 0.5 * time);
     }
-    let after = normalize(product_of(rotation_by(momentum * (middle * h)), product_of(before, now.turned)));
+    let after = unit(product_of(rotation_by(momentum * (middle * h)), product_of(before, now.turned)));
     return Spun(after, turned_back(after, momentum) * inverse);
 }
 
@@ -57,7 +57,7 @@ fn spun(body: u32, w: vec3<f32>, h: f32, part: f32) -> Spun {
     let inverse = mass[body].yzw;
     var own: Spun;
     if inverse.x == inverse.y && inverse.y == inverse.z {
-        own.orientation = normalize(product_of(rotation_by(w * h), orientation[body]));
+        own.orientation = unit(product_of(rotation_by(w * h), orientation[body]));
         own.spin = turned_back(own.orientation, w);
     } else {
         own = tumbled(orientation[body], w, inverse, h);
@@ -65,7 +65,7 @@ fn spun(body: u32, w: vec3<f32>, h: f32, part: f32) -> Spun {
     if part > 0.0 {
         let momentum = turned(own.orientation, own.spin / inverse);
         let moved = displaced[DISPLACED * body + 2u].xyz * part;
-        own.orientation = normalize(product_of(rotation_by(moved), own.orientation));
+        own.orientation = unit(product_of(rotation_by(moved), own.orientation));
         own.spin = turned_back(own.orientation, momentum) * inverse;
     }
     return own;

@@ -22,8 +22,10 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     let is_active = scalars[0].goes_on == 1u;
     var sums = vec4(0.0);
     // Those of round 8 are the pairs in no tile.
-    for (var i = thread; i < select(0u, round_start[8], is_active); i += 256u) {
-        sums.x += moved[i];
+    let n_tiles = select(0u, round_start[8], is_active);
+    for (var i = thread; i < n_tiles; i += 1024u) {
+        let first = vec4(moved[i], 0.0, 0.0, 0.0) + below(vec4(moved[min(i + 256u, n_tiles - 1u)], 0.0, 0.0, 0.0), i + 256u, n_tiles);
+        sums += first + (below(vec4(moved[min(i + 512u, n_tiles - 1u)], 0.0, 0.0, 0.0), i + 512u, n_tiles) + below(vec4(moved[min(i + 768u, n_tiles - 1u)], 0.0, 0.0, 0.0), i + 768u, n_tiles));
     }
     sums = group_total(thread, sums);
     if thread != 0u || !is_active {

@@ -90,8 +90,6 @@ fn contact_at(base: u32, i: u32, n: u32) -> Own {
 
 // Visit a contact. In the first sweep its residual term squared is left.
 fn visit(own: ptr<function, Own>, is_first: bool) {
-    // The trace of N_ii, three times the reciprocal of η.
-    let trace = 1.0 / (*own).inverse.x + 2.0 / (*own).inverse.y;
     var row: Row;
     row.normal = (*own).normal;
     row.offset = (*own).offset;
@@ -117,6 +115,8 @@ fn visit(own: ptr<function, Own>, is_first: bool) {
         angular[places.y] = vec4(wb.xyz - spin * (row.reach.y * wb.w), wb.w);
     }
     if is_first {
+        // The trace of N_ii, three times the reciprocal of η.
+        let trace = 1.0 / (*own).inverse.x + 2.0 / (*own).inverse.y;
         terms[(*own).k] = dot(d, d) * trace * trace / 9.0;
     }
 }

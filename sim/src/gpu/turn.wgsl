@@ -13,6 +13,13 @@ fn product_of(p: vec4<f32>, q: vec4<f32>) -> vec4<f32> {
     return vec4(p.w * q.xyz + q.w * p.xyz + cross(p.xyz, q.xyz), p.w * q.w - dot(p.xyz, q.xyz));
 }
 
+// A rotation whose square is 1 to rounding. The devices' reciprocal roots are off by some roundings to one side, by which a momentum that is
+// turned to and fro in every step would grow.
+fn unit(q: vec4<f32>) -> vec4<f32> {
+    let p = normalize(q);
+    return p * (1.5 - 0.5 * dot(p, p));
+}
+
 // The rotation by a rotation vector, rad. The devices' sines are coarse: series in the square of the half angle, which is halved until it
 // is small, and as many squares of the rotation.
 fn rotation_by(angle: vec3<f32>) -> vec4<f32> {
