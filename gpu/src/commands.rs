@@ -148,6 +148,31 @@ impl Commands {
     /// Those of [`Device::check`].
     pub fn submit_all<'a>(device: &Device, lists: impl IntoIterator<Item = &'a Commands>) -> Result<Timings, GpuError> {
         device.check()?;
+        Prepared::new(device, lists).submit(device)
+    }
+
+    /// Encode all commands for a submission that is to come, while the device is at others.
+    pub fn prepare(&self, device: &Device) -> Prepared {
+        Prepared::new(device, [self])
+    }
+
+    /// Tell that the commands have taken this time, s, where that is not to be had from their timings: see [`Timings::unobserved`].
+    pub fn observe(&self, device: &Device, seconds: f64) {
+        let units: Vec<Unit> = self.stages.iter().map(|stage| Unit::whole(stage.key())).collect();
+        device.pace().observe(&units, seconds);
+    }
+}
+
+/// Commands that are encoded and ready to be submitted once.
+pub struct Prepared {
+    /// The submissions, with the units of each.
+    submissions: Vec<(wgpu::CommandBuffer, Vec<Unit>)>,
+    spans: Vec<Span>,
+    times: Option<Times>,
+}
+
+impl Prepared {
+    fn new<'a>(device: &Device, lists: impl IntoIterator<Item = &'a Commands>) -> Prepared {
         let stages: Vec<&Stage> = lists.into_iter().flat_map(|list| &list.stages).collect();
         let keys: Vec<Key> = stages.iter().map(|stage| stage.key()).collect();
         let plan = device.pace().plan(&keys);
@@ -158,8 +183,8 @@ impl Commands {
             .collect();
         let is_timed = device.has_timestamps && (1..=MAX_TIMED).contains(&spans.len());
         let times = is_timed.then(|| Times::take(device, spans.len()));
-        let mut last = None;
         let mut next = 0;
+        let mut submissions = vec![];
         for (k, submission) in plan.iter().enumerate() {
             let mut encoder = device.raw.create_command_encoder(&Default::default());
             while let Some((_, units)) = spans.get(next).filter(|span| span.0 == k) {
@@ -172,28 +197,35 @@ impl Commands {
             if let Some(times) = times.as_ref().filter(|_| k + 1 == plan.len()) {
                 times.resolve(&mut encoder);
             }
-            let waits = !is_timed && device.pace().is_due(submission);
+            submissions.push((encoder.finish(), units_of(submission)));
+        }
+        let spans = spans.into_iter().map(|(submission, own)| Span { submission, units: units_of(own) }).collect();
+        Prepared { submissions, spans, times }
+    }
+
+    /// Submit the commands.
+    ///
+    /// # Errors
+    /// Those of [`Device::check`].
+    pub fn submit(self, device: &Device) -> Result<Timings, GpuError> {
+        device.check()?;
+        let mut last = None;
+        for (commands, units) in self.submissions {
+            let waits = self.times.is_none() && device.pace().is_due(&units);
             if waits {
                 device.wait()?;
             }
             let started = Instant::now();
-            last = Some(device.queue.submit([encoder.finish()]));
+            last = Some(device.queue.submit([commands]));
             if waits {
                 device.wait()?;
-                let (seconds, units) = (started.elapsed().as_secs_f64(), units_of(submission));
+                let seconds = started.elapsed().as_secs_f64();
                 device.pace().observe(&units, seconds);
                 device.pace().submission(seconds);
             }
         }
-        let spans = spans.into_iter().map(|(submission, own)| Span { submission, units: units_of(own) }).collect();
-        let ticks = times.zip(last).map(|(times, last)| times.read_back(last));
-        Ok(Timings { spans, ticks, is_observed: true })
-    }
-
-    /// Tell that the commands have taken this time, s, where that is not to be had from their timings: see [`Timings::unobserved`].
-    pub fn observe(&self, device: &Device, seconds: f64) {
-        let units: Vec<Unit> = self.stages.iter().map(|stage| Unit::whole(stage.key())).collect();
-        device.pace().observe(&units, seconds);
+        let ticks = self.times.zip(last).map(|(times, last)| times.read_back(last));
+        Ok(Timings { spans: self.spans, ticks, is_observed: true })
     }
 }
 

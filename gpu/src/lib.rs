@@ -27,7 +27,7 @@ mod times;
 pub use adapter::{Adapter, Choice, adapters, may_have_hardware};
 pub use bandwidth::copy_bandwidth;
 pub use buffer::{Bound, Buffer, ReadBack};
-pub use commands::{Commands, Timings, Work};
+pub use commands::{Commands, Prepared, Timings, Work};
 pub use count::{BLOCK, Count, Groups};
 pub use device::Device;
 pub use error::GpuError;

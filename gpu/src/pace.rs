@@ -114,11 +114,11 @@ impl Pace {
     }
 
     /// Whether a submission is to be waited for, where there are no timestamps: what it holds is not known, or it is long since.
-    pub fn is_due(&mut self, submission: &[(usize, Unit)]) -> bool {
+    pub fn is_due(&mut self, submission: &[Unit]) -> bool {
         /// Submissions from one that is waited for to the next.
         const PERIOD: u32 = 64;
         self.n_untimed += 1;
-        let is_due = self.n_untimed >= PERIOD || submission.iter().any(|(_, unit)| self.is_new(unit));
+        let is_due = self.n_untimed >= PERIOD || submission.iter().any(|unit| self.is_new(unit));
         if is_due {
             self.n_untimed = 0;
         }

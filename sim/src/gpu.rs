@@ -67,7 +67,7 @@ use before::Before;
 use collision::Collision;
 use contact_solve::{ContactSolve, Submissions};
 use exact::Rounds;
-use gpu::{Commands, Device, Kernels};
+use gpu::{Commands, Device, Kernels, Prepared};
 use impacts::Impacts;
 use joints::Joints;
 use mechanism::Mechanism;
@@ -112,6 +112,8 @@ pub struct Gpu {
 struct Recorded {
     /// The stages up to the contacts with their starting point.
     find: Commands,
+    /// The same, encoded for the next step.
+    ahead: Option<Prepared>,
     /// What follows by the method, and by Gauss–Seidel where it may take over.
     own: Solving,
     landing: Option<Solving>,
@@ -401,7 +403,8 @@ impl Gpu {
     /// Submit the stages up to the contacts with their starting point, with what the processor has found before.
     fn find(&mut self, model: &Model, plan: &StepPlan, state: &State, times: &mut Submissions) -> Result<(), Fault> {
         self.place_given(model, plan, state)?;
-        times.stages.push(self.recorded.find.submit(&self.device)?);
+        let find = self.recorded.ahead.take().unwrap_or_else(|| self.recorded.find.prepare(&self.device));
+        times.stages.push(find.submit(&self.device)?);
         Ok(())
     }
 
@@ -534,6 +537,8 @@ impl Gpu {
         let Solving { end, recovery, .. } = self.solving();
         let end = if state.steps.is_multiple_of(self.recorded.period) { recovery } else { end };
         times.stages.push(end.submit(&self.device)?);
+        // While the device is at this step, the next one is encoded.
+        self.recorded.ahead = Some(self.recorded.find.prepare(&self.device));
         Ok(Submitted::Done(rounds))
     }
 
@@ -547,7 +552,7 @@ impl Gpu {
 
 impl Recorded {
     fn empty() -> Recorded {
-        Recorded { find: Commands::new(), own: Solving::default(), landing: None, period: 1 }
+        Recorded { find: Commands::new(), ahead: None, own: Solving::default(), landing: None, period: 1 }
     }
 }
 

@@ -68,6 +68,8 @@ pub struct Recorded {
     iteration: Commands,
     /// A check of the iterate, and the iterations from one to the next.
     check: Option<(u32, Commands)>,
+    /// What decides whether iterations go on beyond those of the settings.
+    closing: Option<Commands>,
     /// By rounds: what begins the first and the others, and what measures the slip that has come out.
     first: Commands,
     again: Commands,
@@ -92,18 +94,19 @@ pub struct Submissions {
 }
 
 impl Recorded {
-    /// The lists of the iterations after the first `done` up to `end`.
-    fn lists(&self, done: u32, end: u32) -> impl Iterator<Item = &Commands> {
+    /// The lists of the iterations after the first `done` up to `end`; from the `last` of the settings on it is decided whether there are more.
+    fn lists(&self, done: u32, end: u32, last: u32) -> impl Iterator<Item = &Commands> {
         let check =
             |k: u32| self.check.as_ref().filter(|(interval, _)| k.is_multiple_of(*interval)).map(|(_, check)| check);
-        (done + 1..=end).flat_map(move |k| [Some(&self.iteration), check(k)]).flatten()
+        let closing = move |k: u32| self.closing.as_ref().filter(|_| k >= last);
+        (done + 1..=end).flat_map(move |k| [Some(&self.iteration), check(k), closing(k)]).flatten()
     }
 
     /// Tell the time of one iteration, s: their timings have those in them that had nothing to do.
     pub fn observe(&self, device: &Device, seconds: f64) {
         self.iteration.observe(device, seconds);
-        if let Some((_, check)) = &self.check {
-            check.observe(device, seconds);
+        for other in self.check.iter().map(|(_, check)| check).chain(&self.closing) {
+            other.observe(device, seconds);
         }
     }
 }
@@ -244,15 +247,13 @@ impl ContactSolve {
         let blocks = if self.problem.layout.rolls { 2 * n } else { n };
         let most = if n == 0 { 0 } else { self.settings.max_iterations(blocks) };
         let Some(exact) = self.rounds(is_landing) else {
-            self.submit_iterations(device, solve, most, times)?;
-            if let Columns::GaussSeidel(sweeps) = self.columns(is_landing)
-                && sweeps.may_go_on()
-            {
+            self.submit_iterations(device, solve, (most, most), times)?;
+            if solve.closing.is_some() {
                 for _ in 1..SolverSettings::BEYOND {
                     if !self.goes_on(device)? {
                         break;
                     }
-                    self.submit_iterations(device, solve, most, times)?;
+                    self.submit_iterations(device, solve, (most, 1), times)?;
                 }
             }
             return Ok(None);
@@ -263,7 +264,7 @@ impl ContactSolve {
             exact.place_limit(device, own);
             let begin = if round == 0 { &solve.first } else { &solve.again };
             times.stages.push(begin.submit(device)?);
-            self.submit_iterations(device, solve, own, times)?;
+            self.submit_iterations(device, solve, (own, own), times)?;
             times.stages.push(solve.measure.submit(device)?);
             let scalars = self.problem.scalars.read(device, 1)?[0];
             let residual = f32::from_bits(scalars[RESIDUAL]) as f64;
@@ -274,11 +275,12 @@ impl ContactSolve {
         Ok(Some(rounds))
     }
 
+    /// Submit the most iterations, unless the solve ends before; from the `last` of the settings on it is decided whether there are more.
     fn submit_iterations(
         &self,
         device: &Device,
         solve: &Recorded,
-        most: u32,
+        (most, last): (u32, u32),
         times: &mut Submissions,
     ) -> Result<(), GpuError> {
         // The part after which the device was asked, and its answer: the next part is on its way by then.
@@ -290,7 +292,7 @@ impl ContactSolve {
             {
                 break;
             }
-            let lists = solve.lists(PART * part, most.min(PART * (part + 1)));
+            let lists = solve.lists(PART * part, most.min(PART * (part + 1)), last);
             times.iterations.push(Commands::submit_all(device, lists)?.unobserved());
             if asked.is_none() && part + UNASKED < parts {
                 asked = Some((part, self.problem.scalars.read_back(device, 1)?));
@@ -397,6 +399,7 @@ impl ContactSolve {
             Columns::BarzilaiBorwein(own) => Some(own.record(device, commands, problem)),
             Columns::GaussSeidel(sweeps) => {
                 sweeps.record(device, commands, problem);
+                recorded.closing = sweeps.closing(device, problem, STAGE);
                 None
             }
         };
@@ -470,13 +473,13 @@ impl ContactSolve {
         let n = self.settings.iterations.unwrap_or(PART);
         device.wait()?;
         let started = Instant::now();
-        let times = Commands::submit_all(device, recorded.lists(0, n))?.unobserved().wait(device)?;
+        let times = Commands::submit_all(device, recorded.lists(0, n, n))?.unobserved().wait(device)?;
         let wall = started.elapsed().as_secs_f64();
         let seconds = times.map_or(wall, |times| times.iter().map(|(_, seconds)| seconds).sum());
         recorded.observe(device, seconds / f64::from(n.max(1)));
         let mut commands = Commands::new();
         self.record_end(device, &mut commands, false);
         commands.submit(device)?;
-        Ok((seconds, recorded.lists(0, n).map(Commands::n_dispatches).sum()))
+        Ok((seconds, recorded.lists(0, n, n).map(Commands::n_dispatches).sum()))
     }
 }

@@ -247,19 +247,20 @@ impl GaussSeidel {
         }
         let params = [bits(self.tolerance), self.closing.is_some() as u32];
         commands.dispatch(device, &self.decide, &of_decision, &params, Work::Groups(1));
-        if let Some(closing) = &self.closing {
-            let fastest = closing.fastest.bind();
-            let bound = [problem.row(), problem.motion.bind(), fastest, problem.n_contacts.n.bind()];
-            commands.dispatch(device, &closing.measure, &bound, &[], Work::Indirect(&self.work, 1));
-            let params = [bits(closing.most[0]), bits(closing.most[1]), SolverSettings::BEYOND];
-            let bound = [fastest, scalars, self.work.bind()];
-            commands.dispatch(device, &closing.decide, &bound, &params, Work::Groups(1));
-        }
     }
 
-    /// Whether iterations may go on beyond those of the settings.
-    pub fn may_go_on(&self) -> bool {
-        self.closing.is_some()
+    /// The commands, under the name of a stage, that decide after an iteration whether there are more than those of the settings, where there may be.
+    pub fn closing(&self, device: &Device, problem: &Problem, stage: &'static str) -> Option<Commands> {
+        let closing = self.closing.as_ref()?;
+        let mut commands = Commands::new();
+        commands.stage(stage);
+        let fastest = closing.fastest.bind();
+        let bound = [problem.row(), problem.motion.bind(), fastest, problem.n_contacts.n.bind()];
+        commands.dispatch(device, &closing.measure, &bound, &[], Work::Indirect(&self.work, 1));
+        let params = [bits(closing.most[0]), bits(closing.most[1]), SolverSettings::BEYOND];
+        let bound = [fastest, problem.scalars.bind(), self.work.bind()];
+        commands.dispatch(device, &closing.decide, &bound, &params, Work::Groups(1));
+        Some(commands)
     }
 
     /// What the kernels over tiles and over big tiles bind.

@@ -38,8 +38,18 @@ pub fn record(
     let (n, scalars, sums) = (problem.n_contacts.n.bind(), problem.scalars.bind(), problem.of_contacts.bind());
     let [roll, roll_row] = problem.rolling();
     let slip = problem.slip.bind();
-    let of_contacts =
-        [problem.row(), problem.motion.bind(), problem.gamma.bind(), scalars, sums, n, roll, roll_row, slip, problem.spin.bind()];
+    let of_contacts = [
+        problem.row(),
+        problem.motion.bind(),
+        problem.gamma.bind(),
+        scalars,
+        sums,
+        n,
+        roll,
+        roll_row,
+        slip,
+        problem.spin.bind(),
+    ];
     let of_step = [bits(settings.lambda), problem.feeds as u32, bits(fall), bits(KNOWN * settings.tolerance)];
     let of_decision = [sums, scalars, problem.work.bind(), n];
     let share = if problem.feeds { SHARE } else { 1.0 };

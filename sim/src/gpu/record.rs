@@ -39,7 +39,7 @@ impl Gpu {
         }
         let own = self.record_solving(model, period, false)?;
         let landing = if solve.may_land() { Some(self.record_solving(model, period, true)?) } else { None };
-        self.recorded = Recorded { find, own, landing, period };
+        self.recorded = Recorded { find, ahead: None, own, landing, period };
         Ok(())
     }
 
