@@ -78,8 +78,9 @@ impl Collision {
         let fixtures = Fixtures::new(device, model, state, (scale, &spheres.hulls))?;
         let n = spheres.n;
         let bins = Bins::new(device, n)?;
-        // A sphere in a bed touches about six others, a pair each for two.
+        // A sphere in a bed is near to about eight others and touches six of them, a pair each for two; solids touch at several points.
         let room = 4 * n + 64;
+        let of_contacts = if narrow == Narrow::Spheres { 3 * n + 64 } else { room };
         let manifolds = match narrow {
             Narrow::Spheres => None,
             Narrow::Any => Some(Manifolds::new(device, kernels, layout, (&spheres, &fixtures), [room; 2])?),
@@ -99,7 +100,7 @@ impl Collision {
             contact_write: ContactWrite::new(device, kernels, layout)?,
             pairs: Pairs::new(device, n, room)?,
             tiles: None,
-            contacts: Contacts::new(device, kernels, [room; 2])?,
+            contacts: Contacts::new(device, kernels, [room, of_contacts])?,
             found: Found { pairs: 0, contacts: 0 },
             spheres,
         };
@@ -154,7 +155,7 @@ impl Collision {
     /// # Errors
     /// [`GpuError`], if there is no memory for them.
     pub fn make_room(&mut self, device: &Device, kernels: &Kernels, needed: [usize; 2]) -> Result<(), GpuError> {
-        let [room, of_contacts] = needed.map(|n| n + n / 2);
+        let [room, of_contacts] = needed.map(|n| n + n / 8 + 64);
         let rooms = [room.max(self.pairs.pairs.capacity()), of_contacts.max(self.contacts.contact.capacity())];
         self.pairs = Pairs::new(device, self.spheres.n, rooms[0])?;
         match &mut self.manifolds {

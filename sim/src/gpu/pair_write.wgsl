@@ -1,4 +1,4 @@
-// Broad phase: count, then write, every pair of spheres whose fat boxes overlap, once, and every pair of a sphere and a fixture. A pair of
+// Broad phase: count, then write, every pair of spheres that may touch within their fat boxes, once, and every pair of a sphere and a fixture. A pair of
 // one level is found from the bin that comes first, one of two levels from the smaller box. Fixtures are few: each sphere is tested
 // against each.
 // in    fat_aabb   [n_spheres]  m
@@ -67,6 +67,15 @@ fn may_collide(a: u32, b: u32, groups: vec2<u32>) -> bool {
     return true;
 }
 
+// Whether two spheres, wherever they are in their fat boxes, do not touch: boxes overlap at corners and edges where spheres do not. Their centres
+// are in the boxes less their radii; a greater margin of a contact leaves the centres less room than it adds to its reach.
+fn are_apart(s: u32, t: u32, own: Aabb, other: Aabb, unit: f32) -> bool {
+    let reach = (f32(sphere[s].radius) + f32(sphere[t].radius)) * unit;
+    let between = max(other.low.xyz - own.high.xyz, own.low.xyz - other.high.xyz);
+    let centres = max(between + reach, vec3(0.0));
+    return sphere[s].radius > 0u && sphere[t].radius > 0u && dot(centres, centres) > 1.00001 * reach * reach;
+}
+
 // Whether a box may come near a fixture.
 fn is_near(own: Aabb, f: u32) -> bool {
     if fixture[f].kind != PLANE {
@@ -116,7 +125,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             for (var j = select(row.x, i + 1u, is_own); j < row.y; j++) {
                 let t = bin_shape[j];
                 let other = fat_aabb[t];
-                if !overlap(own, other) {
+                if !overlap(own, other) || are_apart(s, t, own, other, 1.0 / scale) {
                     continue;
                 }
                 let width = (other.high - other.low).xyz * scale;

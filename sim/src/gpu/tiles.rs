@@ -109,23 +109,26 @@ impl Tiles {
         let mut home = vec![0; bodies.n];
         let of_body = spheres.bodies.iter().enumerate().rev();
         of_body.for_each(|(sphere, body)| home[*body as usize] = sphere as u32);
-        let compact = || Compact::new(device, kernels, room);
+        let compact = |n| Compact::new(device, kernels, n);
         let crowd = CROWD[(bodies.layout.narrow == Narrow::Any) as usize];
         let edge = (crowd * spheres.volume).cbrt().max(LEAST_EDGE * spheres.width);
         let edge_bits = if edge < 4.0 * spheres.width { 1 } else { 2 };
         let rounds = WAYS[(4.0 * spheres.longest > edge) as usize];
+        // In each way a body is in one cube; one tile more has the pairs that fit none.
+        let most_tiles = room.min(rounds as usize * bodies.n + 1);
+        let of_tiles = |name| Buffer::zeros(device, name, most_tiles);
         let n_pieces = if device.adapter.software { room.div_ceil(PIECE) as u32 } else { 1 };
         Ok(Tiles {
-            first: column("tile_first")?,
-            n: Count::found(device, room)?,
+            first: of_tiles("tile_first")?,
+            n: Count::found(device, most_tiles)?,
             round_start: Buffer::zeros(device, "round_start", 10)?,
             color: column("color")?,
             local: column("local")?,
             body: Buffer::zeros(device, "tile_body", 2 * room)?,
-            size: Buffer::zeros(device, "tile_size", room)?,
-            is_big: column("is_big")?,
-            big: column("big")?,
-            n_big: Count::found(device, room)?,
+            size: Buffer::zeros(device, "tile_size", most_tiles)?,
+            is_big: of_tiles("is_big")?,
+            big: of_tiles("big")?,
+            n_big: Count::found(device, most_tiles)?,
             kernels: TileKernels {
                 due: get("tile_due", include_str!("tile_due.wgsl"))?,
                 key: get("tile_key", include_str!("tile_key.wgsl"))?,
@@ -135,7 +138,7 @@ impl Tiles {
                 rest: get("rest_color", include_str!("rest_color.wgsl"))?,
             },
             sort: RadixSort::new(device, kernels, room)?,
-            compact: [compact()?, compact()?],
+            compact: [compact(room)?, compact(most_tiles)?],
             groups: [Groups::new(device, kernels, ROWS)?, Groups::new(device, kernels, n_pieces as usize)?],
             n_pieces,
             rounds,
@@ -145,7 +148,7 @@ impl Tiles {
             sorted: Buffer::zeros(device, "sorted pairs", room)?,
             flag: column("tile flags")?,
             n_due: Count::found(device, room)?,
-            n_colored: Count::found(device, room)?,
+            n_colored: Count::found(device, most_tiles)?,
             claim: Buffer::of(device, "claims", &vec![u32::MAX; bodies.n])?,
             edge,
             edge_bits,

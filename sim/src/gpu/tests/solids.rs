@@ -82,12 +82,15 @@ pub fn hold(model: &Model, state: &State, [gap, turn, same, deep]: [f64; 4]) -> 
     let least = |points: &[Found]| points.iter().copied().min_by(|p, q| p.1.total_cmp(&q.1)).unwrap();
     /// Share of the pairs whose points are in the same places.
     const PLACED: f64 = 0.97;
+    /// Share of the pairs that may be found deeper in each other by a share of their depth: the least depth is looked for by steps, which rounding
+    /// may lead to another one that is least among its neighbours (one of 170 pairs on an NVIDIA H100, by 7 %).
+    const DEEPER: [f64; 2] = [0.01, 0.1];
     let margin = |s: u32| {
         let b = model.shape_body[s as usize] as usize;
         let arm = model.shape_pose[s as usize].position.length() + model.shape_size[s as usize].length();
         model.envelope + (state.velocity[b].length() + state.angular_velocity[b].length() * arm) * model.step
     };
-    let (mut n_same, mut n_placed, mut n_turned, mut n, mut n_seams) = (0, 0, 0, 0, 0);
+    let (mut n_same, mut n_placed, mut n_turned, mut n, mut n_seams, mut n_deeper) = (0, 0, 0, 0, 0, 0);
     let is_triangle = |key: &[u32; 3]| key[..2].iter().any(|s| model.shape_kind[*s as usize].is_surface());
     for (shapes, points) in &expected {
         let reach = margin(shapes[0]) + margin(shapes[1]);
@@ -109,6 +112,10 @@ pub fn hold(model: &Model, state: &State, [gap, turn, same, deep]: [f64; 4]) -> 
         // A triangle may be met by its face or by an edge that lies in it.
         if is_triangle(shapes) && (e.1 - f.1).abs() > gap {
             n_seams += 1;
+            continue;
+        }
+        if e.1 < 0.0 && f.1 < e.1 - gap && f.1 > (1.0 + DEEPER[1]) * e.1 {
+            n_deeper += 1;
             continue;
         }
         assert!((e.1 - f.1).abs() < gap, "{shapes:?}: gap {} for {}\n{found:?}\n{points:?}", f.1, e.1);
@@ -137,6 +144,7 @@ pub fn hold(model: &Model, state: &State, [gap, turn, same, deep]: [f64; 4]) -> 
     assert!(is_most(n_same) && is_most(n - n_turned), "{n_same} of {n}, {n_turned} turned");
     assert!(n_placed as f64 >= PLACED * n as f64, "{n_placed} of {n} have points in the same places");
     assert!(is_most(n.saturating_sub(n_seams)), "{n_seams} of {n} at seams");
+    assert!(n_deeper as f64 <= DEEPER[0] * n as f64, "{n_deeper} of {n} are found deeper");
     n
 }
 
