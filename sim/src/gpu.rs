@@ -354,6 +354,7 @@ impl Gpu {
         let mut stage_ms = [0.0; Stage::ALL.len()];
         self.take_times(times, &mut stage_ms, rounds.map_or(summary.iterations, |rounds| rounds.iterations))?;
         self.n_contacts = summary.contacts as usize;
+        self.solve.n_last = Some(summary.iterations);
         let (n, room) = (self.solve.problem.n_bodies, self.collision.columns().0.capacity());
         self.device.expect_growth((n + room) as f64 / (n + self.n_contacts).max(1) as f64);
         self.is_stale = true;

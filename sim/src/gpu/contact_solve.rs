@@ -35,9 +35,6 @@ const STAGE: &str = "contact_solve";
 /// Iterations that are submitted at a time.
 const PART: u32 = 50;
 
-/// Parts of the iterations that are submitted from one question whether more are needed to its answer.
-const UNASKED: u32 = 2;
-
 /// Places of the step length, the iterations so far, whether the solve goes on, and the residual in the scalars.
 const STEP: usize = 2;
 const TRIALS: usize = 5;
@@ -60,6 +57,8 @@ pub struct ContactSolve {
     pub bytes: f64,
     /// Sweeps of an iteration.
     pub sweeps: u32,
+    /// Iterations of the last step, if there has been one.
+    pub n_last: Option<u32>,
 }
 
 /// The recorded commands of a solve.
@@ -178,7 +177,7 @@ impl ContactSolve {
         let sweeps = if let Columns::GaussSeidel(_) = method { gauss_seidel::SWEEPS } else { 1 };
         let bytes = bytes / f64::from(sweeps);
         let (settings, fall) = (settings.clone(), model.gravity.length() * model.step);
-        Ok(ContactSolve { problem, method, landing, exact, settings, fall, bytes, sweeps })
+        Ok(ContactSolve { problem, method, landing, exact, settings, fall, bytes, sweeps, n_last: None })
     }
 
     /// Whether the solve has not come to its end.
@@ -283,22 +282,40 @@ impl ContactSolve {
         (most, last): (u32, u32),
         times: &mut Submissions,
     ) -> Result<(), GpuError> {
-        // The part after which the device was asked, and its answer: the next part is on its way by then.
+        let mut submit = |done: u32, end: u32| -> Result<(), GpuError> {
+            times.iterations.push(Commands::submit_all(device, solve.lists(done, end, last))?.unobserved());
+            Ok(())
+        };
+        // As many as the last step has taken, to begin with: those of a solve that has ended take their time, too.
+        let mut done = self.expected(solve).map_or(0, |n| n.min(PART).min(most));
+        if done > 0 {
+            submit(0, done)?;
+            if done < most && !self.goes_on(device)? {
+                return Ok(());
+            }
+        }
+        // Iterations after which the device was asked, and its answer: the next part is on its way by then.
         let mut asked: Option<(u32, ReadBack<[u32; 16]>)> = None;
-        let parts = most.div_ceil(PART);
-        for part in 0..parts {
-            if let Some((_, answer)) = asked.take_if(|(after, _)| part >= *after + UNASKED)
+        while done < most {
+            if let Some((_, answer)) = asked.take_if(|(after, _)| done > *after)
                 && answer.wait(device)?[0][GOES_ON] == 0
             {
                 break;
             }
-            let lists = solve.lists(PART * part, most.min(PART * (part + 1)), last);
-            times.iterations.push(Commands::submit_all(device, lists)?.unobserved());
-            if asked.is_none() && part + UNASKED < parts {
-                asked = Some((part, self.problem.scalars.read_back(device, 1)?));
+            let end = most.min(done + PART);
+            submit(done, end)?;
+            if asked.is_none() && end < most {
+                asked = Some((end, self.problem.scalars.read_back(device, 1)?));
             }
+            done = end;
         }
         Ok(())
+    }
+
+    /// The iterations that a step is likely to take, up to the next check: where solves end by their residual.
+    fn expected(&self, solve: &Recorded) -> Option<u32> {
+        let n = self.n_last.filter(|_| self.settings.tolerance > 0.0)? + 1;
+        Some(solve.check.as_ref().map_or(n, |(interval, _)| n.next_multiple_of(*interval)))
     }
 
     /// Record the iterations of a step, and what goes between rounds.

@@ -78,21 +78,39 @@ fn fill_rows(thread: u32) {
     storageBarrier();
 }
 
+var<workgroup> row_sums: array<f32, 256>;
+
+// Rows of a phase have few to hundreds of terms: where there are fewer rows than threads, several have a row to themselves, and sum its terms as
+// a binary tree.
 fn run_phases(thread: u32) {
     let n = joint_sizes[3];
     for (var p = 0u; p < joint_sizes[2]; p++) {
-        for (var k = joint_phase[p] + thread; k < joint_phase[p + 1u]; k += 256u) {
-            let row = phase_row[k];
+        let end = joint_phase[p + 1u];
+        let fit = 256u / max(end - joint_phase[p], 1u);
+        let lanes = clamp(1u << firstLeadingBit(max(fit, 1u)), 1u, 32u);
+        let lane = thread % lanes;
+        for (var first = joint_phase[p]; first < end; first += 256u / lanes) {
+            let k = first + thread / lanes;
+            var row = vec4(0u);
             var sum = 0.0;
-            if row.x < n {
-                sum = joint_work[row.x];
+            if k < end {
+                row = phase_row[k];
+                for (var t = row.y + lane; t < row.z; t += lanes) {
+                    sum += joint_work[joint_term[t].x] * joint_number[joint_term[t].y];
+                }
             }
-            for (var t = row.y; t < row.z; t++) {
-                sum += joint_work[joint_term[t].x] * joint_number[joint_term[t].y];
+            row_sums[thread] = sum;
+            for (var step = 1u; step < lanes; step <<= 1u) {
+                workgroupBarrier();
+                if lane % (2u * step) == 0u {
+                    row_sums[thread] += row_sums[thread + step];
+                }
             }
-            joint_work[row.x] = sum;
+            if k < end && lane == 0u {
+                joint_work[row.x] = select(0.0, joint_work[row.x], row.x < n) + row_sums[thread];
+            }
+            storageBarrier();
         }
-        storageBarrier();
     }
 }
 

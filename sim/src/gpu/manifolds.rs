@@ -1,4 +1,4 @@
-//! Narrow phase of shapes of any kind: pairs are sorted into families, the contact points of each pair counted and the counts scanned, and
+//! Narrow phase of shapes of any kind: pairs are sorted into families, the contact points of each pair found and kept, their counts scanned, and
 //! the contacts written. Each family has kernels of its own, over the list of its pairs.
 //! in   position     [n_bodies]    fine units
 //! in   orientation  [n_bodies]
@@ -9,7 +9,8 @@
 //! out  contact      [n_contacts]  in the order of the pairs
 //! out  arms         [n_contacts]  m
 //! out  room         [3]           whether there is room for all of them, and for how many it is needed
-//! Kernels: pair_family.wgsl and the compaction, place_due.wgsl, round_contacts.wgsl, solid_contacts.wgsl, the scan, contact_room.wgsl, contact_finish.wgsl.
+//! Kernels: pair_family.wgsl and the compaction, place_due.wgsl, round_contacts.wgsl, solid_contacts.wgsl, the scan, contact_room.wgsl,
+//! kept_contacts.wgsl, contact_finish.wgsl.
 //! Twin: cpu/contact_write.rs, cpu/collide.rs
 //!
 //! Points are found in single precision about the centre of mass of one of the bodies: gaps are right to 5e-7 of the pair's size.
@@ -44,6 +45,11 @@ pub struct Manifolds {
     pub place: Buffer<u32>,
     n_places: Count,
     families: Vec<OfFamily>,
+    put: Kernel,
+    /// The points of the families, in any order: three rows each (3 n_contacts).
+    kept: Buffer<[f32; 4]>,
+    /// Their number (1).
+    n_kept: Buffer<u32>,
 }
 
 /// What a family needs.
@@ -52,7 +58,7 @@ struct OfFamily {
     points: Kernel,
     compact: Compact,
     groups: Groups,
-    /// Whether each pair is of the family (n_pairs).
+    /// Whether each pair is of the family, and then where the points of each of its pairs are kept (n_pairs).
     flag: Buffer<u32>,
     /// The pairs of the family.
     list: Buffer<u32>,
@@ -83,6 +89,9 @@ impl Manifolds {
             of_contacts: Groups::new(device, kernels, ROWS)?,
             place: Buffer::zeros(device, "contact places", n_pairs + 1)?,
             n_places: Count::found(device, n_pairs + 1)?,
+            put: get("kept_contacts", include_str!("kept_contacts.wgsl"))?,
+            kept: Buffer::zeros(device, "kept points", 3 * n_contacts)?,
+            n_kept: Buffer::zeros(device, "kept points", 1)?,
             families: kinds
                 .into_iter()
                 .map(|f| OfFamily::new(device, kernels, (layout, f), n_pairs))
@@ -104,7 +113,7 @@ impl Manifolds {
         c.dispatch(
             device,
             &self.due,
-            &[self.place.bind(), self.n_places.n.bind(), from.n.n.bind()],
+            &[self.place.bind(), self.n_places.n.bind(), from.n.n.bind(), self.n_kept.bind()],
             &[],
             Work::Groups(1),
         );
@@ -118,21 +127,25 @@ impl Manifolds {
         let rest = [at.margin.bind(), from.pairs.bind(), self.place.bind()];
         let out = [contact.bind(), self.arms.bind(), n.n.bind()];
         let bound: Vec<Bound> = place.into_iter().chain(shapes).chain(rest).chain(out).collect();
-        for pass in 0..2 {
-            let all: Vec<Bound> = bound.iter().copied().chain([from.n.n.bind()]).collect();
-            c.dispatch(device, &self.round[pass], &all, &[envelope, unit], of_pairs);
-            for family in &self.families {
-                let own = [family.list.bind(), family.n.n.bind(), at.hulls.hull.bind()];
-                let all: Vec<Bound> = bound.iter().copied().chain(own).collect();
-                let params = [fine, envelope, pass as u32];
-                c.dispatch(device, &family.points, &all, &params, family.groups.of_level(&family.n, 0));
-            }
-            if pass == 0 {
-                self.scan.record(device, c, &self.place, &self.n_places);
-                let bound = [self.place.bind(), from.room.bind(), n.n.bind(), from.n.n.bind()];
-                let rooms = [from.pairs.capacity() as u32, contact.capacity() as u32];
-                c.dispatch(device, &self.room, &bound, &rooms, Work::Groups(1));
-            }
+        let all: Vec<Bound> = bound.iter().copied().chain([from.n.n.bind()]).collect();
+        let [count, write] = &self.round;
+        c.dispatch(device, count, &all, &[envelope, unit], of_pairs);
+        for family in &self.families {
+            let own = [family.list.bind(), family.n.n.bind(), at.hulls.hull.bind()];
+            let keeps = [self.kept.bind(), self.n_kept.bind(), family.flag.bind()];
+            let bound: Vec<Bound> = place.into_iter().chain(shapes).chain(rest).chain(own).chain(keeps).collect();
+            let work = family.groups.of_level(&family.n, 0);
+            c.dispatch(device, &family.points, &bound, &[fine, envelope], work);
+        }
+        self.scan.record(device, c, &self.place, &self.n_places);
+        let rooms = [from.pairs.capacity() as u32, contact.capacity() as u32];
+        let of_room = [self.place.bind(), from.room.bind(), n.n.bind(), from.n.n.bind()];
+        c.dispatch(device, &self.room, &of_room, &rooms, Work::Groups(1));
+        c.dispatch(device, write, &all, &[envelope, unit], of_pairs);
+        for family in &self.families {
+            let own = [family.list.bind(), family.n.n.bind(), self.kept.bind(), family.flag.bind()];
+            let bound: Vec<Bound> = [from.pairs.bind(), self.place.bind()].into_iter().chain(out).chain(own).collect();
+            c.dispatch(device, &self.put, &bound, &[], family.groups.of_level(&family.n, 0));
         }
         self.of_contacts.record(device, c, n);
         let [sphere, solid, fixture] = shapes;

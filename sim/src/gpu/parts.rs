@@ -50,6 +50,7 @@ const PARTS: &[Part<'static>] = parts!(
     "kinds",
     "placed",
     "side",
+    "point",
     "put_contact",
     "clip",
     "support",

@@ -4,6 +4,7 @@
 #import solid
 #import turn
 #import side
+#import point
 
 // A shape: kind, half lengths, m, position of its centre, m, the axes of its frame, and the first row of a hull.
 struct Placed {
@@ -12,15 +13,6 @@ struct Placed {
     position: vec3<f32>,
     frame: mat3x3<f32>,
     part: u32,
-}
-
-// A point of a contact: unit normal from the first shape to the second, the points on both, m, the gap, m, and the feature id.
-struct Point {
-    normal: vec3<f32>,
-    on_first: vec3<f32>,
-    on_second: vec3<f32>,
-    gap: f32,
-    feature: u32,
 }
 
 const MAX_POINTS: u32 = 8u;

@@ -15,6 +15,7 @@
 // in    params       [2]           as bits: margin of the fixtures (m), unit of the scale (m)
 // Twin: cpu/contact_write.rs, cpu/collide/round.rs
 #import touch
+#import placed
 #import put_contact
 #import kinds
 #import pair_pass
