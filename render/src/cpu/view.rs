@@ -110,7 +110,7 @@ impl<'a> View<'a> {
                 Some(v) if v.len() == 3 * n => [v[k], v[n + k], v[2 * n + k]],
                 _ => [0.0; 3],
             };
-            answers.extend((0..n).map(|k| [triple(Global::Ci, k), triple(Global::Oi, k)]));
+            answers.extend((0..n).map(|k| view.repeated([triple(Global::Ci, k), triple(Global::Oi, k)])));
         }
         SPARE.with(|s| s.borrow_mut().push((machine, points)));
         answers
@@ -315,7 +315,7 @@ impl<'a> View<'a> {
     fn opacity_at(&self, item: Item, from: Vec3, dir: Vec3, distance: f32) -> [f32; 3] {
         let attributes = self.scene.attributes(item);
         if self.scene.sources[item.source as usize].shadow_is_known() || self.depth >= MAX_NESTED {
-            return attributes.opacity;
+            return self.scene.view(item).repeated([[0.0; 3], attributes.opacity])[1];
         }
         self.rays.tally.opacities.fetch_add(1, Ordering::Relaxed);
         let [[_, opacity]] = self.shade(item, &[Hit { from, dir, distance }], Wanted::Opacity)[..] else {

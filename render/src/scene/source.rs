@@ -79,6 +79,8 @@ pub struct Source {
     pub first_id: usize,
     /// Which instances stand where another before them does and hide behind it; empty if none does.
     pub duplicates: Vec<bool>,
+    /// How many primitives that let light through, alike in all, stand as one where each instance does; empty if one does.
+    pub repeats: Vec<u32>,
     /// The variables of each part, attached to its shaders; of one for all items where there are no parts.
     pub attached: Vec<Arc<Attached>>,
     /// Where they stand in a file.
@@ -116,6 +118,8 @@ pub struct ItemView<'a> {
     pub shift: Vec3,
     /// It is one of `Points`, of which the eye and the light see one side.
     pub particle: bool,
+    /// How many that are alike it stands for.
+    pub repeats: u32,
 }
 
 impl SourceShape {
@@ -141,6 +145,11 @@ impl Source {
         a.shadows_of_opacity || a.surface.program.keeps_opacity && self.attached.iter().all(|a| a.opacity.is_none())
     }
 
+    /// How many primitives an item stands for.
+    pub fn repeats_of(&self, item: usize) -> u32 {
+        if self.repeats.is_empty() { 1 } else { self.repeats[item / (self.len() / self.repeats.len())] }
+    }
+
     /// Number of items.
     pub fn len(&self) -> usize {
         match &self.shape {
@@ -151,12 +160,13 @@ impl Source {
     }
 }
 
-/// Which of some opaque instances are as one before them; empty if none is.
-pub(crate) fn duplicates(columns: &Instances) -> Vec<bool> {
+/// Instances that stand where one before them does: which do, and how many stand where each does that is the first there. Of those whose
+/// variables count, these are the same. Both are empty if all stand alone.
+pub(crate) fn duplicates(columns: &Instances, variables_count: bool) -> (Vec<bool>, Vec<u32>) {
     let n = columns.len();
     let mut first: HashMap<u64, u32, BuildHasherDefault<Mixed>> =
         HashMap::with_capacity_and_hasher(n, Default::default());
-    let mut duplicate = Vec::new();
+    let (mut duplicate, mut repeats) = (Vec::new(), Vec::new());
     for i in 0..n {
         let (scale, turn) = (columns.scale.get(i), columns.orientation.get(i));
         let numbers = columns.position[i].iter().chain(scale.into_iter().flatten()).chain(turn.into_iter().flatten());
@@ -166,13 +176,25 @@ pub(crate) fn duplicates(columns: &Instances) -> Vec<bool> {
             && columns.position[i] == columns.position[before]
             && scale == columns.scale.get(before)
             && turn == columns.orientation.get(before)
-            && columns.moved.as_ref().is_none_or(|(_, to)| to[i] == to[before]);
+            && columns.moved.as_ref().is_none_or(|(_, to)| to[i] == to[before])
+            && !(variables_count && columns.params.iter().any(|p| !has_one_value(p, i, before)));
         if same {
             duplicate.resize(n, false);
+            repeats.resize(n, 1);
             duplicate[i] = true;
+            repeats[before] += 1;
         }
     }
-    duplicate
+    (duplicate, repeats)
+}
+
+/// Whether two instances have one value of a variable.
+fn has_one_value(param: &Param, a: usize, b: usize) -> bool {
+    let width = param.decl.width();
+    match &param.values {
+        Values::Floats(v) => v.get(a * width..(a + 1) * width) == v.get(b * width..(b + 1) * width),
+        Values::Strings(v) => v.get(a) == v.get(b),
+    }
 }
 
 /// Mix the bits of a number.
@@ -217,6 +239,21 @@ pub(crate) fn instance_variables(columns: &Instances) -> impl Iterator<Item = &P
 }
 
 impl ItemView<'_> {
+    /// Colour and opacity of all that it stands for, one behind the other, from those of one.
+    pub fn repeated(&self, [color, opacity]: [[f32; 3]; 2]) -> [[f32; 3]; 2] {
+        if self.repeats <= 1 {
+            return [color, opacity];
+        }
+        let all = opacity.map(|o| {
+            let (o, n) = (f64::from(o.clamp(0.0, 1.0)), self.repeats);
+            let passes = (1.0 - o).powi(n as i32);
+            // The sum of what each before lets through.
+            let sum = if o > 1e-9 { (1.0 - passes) / o } else { n as f64 };
+            [sum as f32, (1.0 - passes) as f32]
+        });
+        [std::array::from_fn(|c| color[c] * all[c][0]), all.map(|[_, o]| o)]
+    }
+
     /// Its colour and opacity at a part of the time that the shutter is open.
     pub fn paint(&self, time: f32) -> ([f32; 3], [f32; 3]) {
         let a = self.attributes;
@@ -294,5 +331,25 @@ pub(crate) fn transform(values: &mut [f32], n: usize, ty: Type, m: &Mat4) {
             };
             (0..width).for_each(|c| element[c * n + k] = out[c]);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ri::{Class, InstanceShape};
+
+    #[test]
+    fn instances_in_one_place_are_counted_where_their_variables_are_the_same() {
+        let columns = Instances {
+            shape: InstanceShape::Sphere,
+            position: vec![[0.0; 3], [1.0; 3], [0.0; 3], [0.0; 3], [1.0; 3]],
+            orientation: vec![],
+            scale: vec![],
+            params: vec![Param::floats("k", Class::Uniform, Type::Float, vec![1.0, 2.0, 1.0, 3.0, 2.0])],
+            moved: None,
+        };
+        assert_eq!(duplicates(&columns, false), (vec![false, false, true, true, true], vec![3, 2, 1, 1, 1]));
+        assert_eq!(duplicates(&columns, true), (vec![false, false, true, false, true], vec![2, 2, 1, 1, 1]));
     }
 }

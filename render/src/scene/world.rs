@@ -195,8 +195,20 @@ impl Scene {
         });
         let shift = shift.unwrap_or(Vec3::ZERO);
         let attached = &*source.attached[part];
-        let particle = self.is_particle(item);
-        ItemView { shape, to_world, object_to_world, attributes, color, source, attached, instance, shift, particle }
+        let (particle, repeats) = (self.is_particle(item), source.repeats_of(i));
+        ItemView {
+            shape,
+            to_world,
+            object_to_world,
+            attributes,
+            color,
+            source,
+            attached,
+            instance,
+            shift,
+            particle,
+            repeats,
+        }
     }
 
     /// The place of an item for shadows and bounds alone: shape and its matrix to world.
