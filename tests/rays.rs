@@ -244,6 +244,35 @@ fn a_ray_meets_what_is_close_behind_another_primitive() {
 }
 
 /// A `gather` sends as many rays as it is asked for.
+/// A tenth of these pixels is 0.0125.
+#[test]
+fn a_ray_from_a_polygon_meets_what_is_nearer_than_a_part_of_a_pixel() {
+    let options = "Format 16 16 1 PixelSamples 2 2 PixelFilter \"box\" 1 1 Projection \"orthographic\" Translate 0 0 5";
+    let traces = b"surface traces(vector way = 0;) { Ci = trace(P, way); Oi = 1; }";
+    let bump = b"displacement bump() { P += vector(0, 0, 0.0005); }";
+    let back = "Translate 0 0 9 Disk 0 99 360";
+    for h in [0.0005f32, 0.003, 0.0124, 0.02] {
+        for (way, near) in [
+            ("0 0 1", format!("Color 1 0 0 Translate 0 0 {h} Disk 0 9 360")),
+            ("0.6 0 0.8", format!("Color 1 0 0 Translate 0 0 {h} Disk 0 9 360")),
+            ("0 0.995 0.1", format!("Color 1 0 0 Translate 0 0 {h} Disk 0 9 360")),
+            ("0 0 1", format!("Color 1 0 0 Translate 0 0 {} Sphere 4 -4 4 360", h + 4.0)),
+            ("0 0 1", format!("Displacement \"bump\" Color 1 0 0 Translate 0 0 {h} Disk 0 9 360")),
+            // What is seen through a half of it.
+            ("0 0 1", format!("Color 2 0 0 Opacity .5 .5 .5 Translate 0 0 {h} Disk 0 9 360")),
+        ] {
+            let world = format!(
+                "AttributeBegin Surface \"constant\" Color 0 0 0 {back} AttributeEnd
+                AttributeBegin Surface \"constant\" Attribute \"visibility\" \"camera\" [0] {near} AttributeEnd
+                Surface \"traces\" \"vector way\" [{way}] Polygon \"P\" [-.8 -.8 0 .8 -.8 0 .8 .8 0 -.8 .8 0]"
+            );
+            let files: [(&str, &[u8]); 2] = [("traces.sl", traces), ("bump.sl", bump)];
+            let [r, g, ..] = render_with(&files, options, &world).at(8, 8);
+            assert!((r - 1.0).abs() < 1e-4 && g == 0.0, "{h}, {way}, {near}: {r} {g}");
+        }
+    }
+}
+
 #[test]
 fn many_rays_are_gathered() {
     let shader = b"surface many() { float n = 0; gather(\"\", P, normalize(I), 0.1, 5000) { n += 1; } else { n += 1; } Oi = 1; Ci = n / 5000; }";

@@ -202,6 +202,16 @@ impl<'a> Rays<'a> {
             })
     }
 
+    /// The same within a length.
+    pub fn meets_within(&self, own: Item, from: Vec3, dir: Vec3, length: f32, bias: [f32; 2]) -> bool {
+        self.surfaces.meets_within(own, from, dir, length, bias)
+            || self.displaced.as_ref().is_some_and(|displaced| displaced.blocked(from, dir, length, |_| true))
+            || self.solids.as_ref().is_some_and(|hulls| {
+                let first = hulls.first(own, from, dir, 0.0, bias, |item| hulls.casts[item.source as usize]);
+                first.is_some_and(|(t, _)| t < length)
+            })
+    }
+
     /// Whether the cross product of the directions along u and v of a primitive of a solid points out of it.
     pub fn is_outward(&self, item: Item) -> bool {
         let known =

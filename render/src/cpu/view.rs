@@ -30,6 +30,12 @@ const MAX_LAYERS: usize = 64;
 /// Surfaces whose shaders are asked for their opacity one from within another: the rays of their lights may meet others.
 const MAX_NESTED: u32 = 2;
 
+/// How far a ray from a flat surface is lifted off that, twice, and begun earlier, once, in parts of how near its start others may not count.
+const LIFT: f32 = 0.05;
+
+/// The cosine to the normal of a flat surface from which on all that a ray passes as it is lifted is looked for.
+const LEAST_SLOPE: f32 = 0.05;
+
 /// The scene from one primitive.
 pub struct View<'a> {
     /// The scene.
@@ -185,10 +191,16 @@ impl<'a> View<'a> {
     }
 
     /// Where a ray starts. From a flat surface it is lifted off a little, and begun a little earlier, so that in a corner it meets
-    /// the other wall, and at an edge passes the other side.
+    /// the other wall, and at an edge passes the other side; unless it would be lifted over what it meets first.
     fn start(&self, from: Vec3, dir: Vec3) -> Vec3 {
-        let off = 0.05 * self.bias[0];
-        self.flat.map_or(from, |n| from + (2.0 * n * n.dot(dir).signum() - dir) * off)
+        let Some(n) = self.flat else { return from };
+        let off = LIFT * self.bias[0];
+        let along = n.dot(dir).abs();
+        let passed = off * (2.0 - along) / along.max(LEAST_SLOPE);
+        if self.rays.meets_within(self.item, from, dir, passed, self.bias) {
+            return from;
+        }
+        from + (2.0 * n * n.dot(dir).signum() - dir) * off
     }
 
     /// An item where a ray meets it.
