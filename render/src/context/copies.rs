@@ -10,8 +10,8 @@ use std::sync::Arc;
 /// The primitives of a scene by where they are and what they let through.
 #[derive(Default)]
 pub struct Copies {
-    /// By the hash of a primitive, and how many were there before that differ from it.
-    known: HashMap<(u64, u32), Known>,
+    /// By the hash of a primitive, and the count of those there before that differ from it.
+    known: HashMap<u64, Known>,
 }
 
 /// A primitive that was given.
@@ -39,8 +39,10 @@ impl Copies {
         let keeps_opacity = a.keeps_opacity() && new.attached.iter().all(|attached| attached.opacity.is_none());
         let stays = keeps_opacity && a.displacement.is_none();
         for k in 0..MOST {
-            let Some(known) = self.known.get_mut(&(hash, k)) else {
-                self.known.insert((hash, k), Known { source: sources.len() as u32, count: 1 });
+            // The next that differs is by another number.
+            let key = hash.wrapping_add(u64::from(k).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+            let Some(known) = self.known.get_mut(&key) else {
+                self.known.insert(key, Known { source: sources.len() as u32, count: 1 });
                 return false;
             };
             let Some(first) = sources.get_mut(known.source as usize) else { return false };

@@ -15,7 +15,7 @@ use crate::scene::motion;
 use crate::scene::options::{Hider, Options};
 use crate::scene::patch::{Patch, TEXTURE_CORNERS};
 use crate::scene::shape::Shape;
-use crate::scene::source::{Part, Source, SourceShape, Wholes, duplicates, instance_variables};
+use crate::scene::source::{Part, Source, SourceShape, Wholes, instance_variables, repeats};
 use crate::scene::variables::{VariableName, VariableNames};
 use crate::scene::world::Scene;
 use crate::texture;
@@ -366,15 +366,17 @@ impl Context {
             columns.moved = (closing.len() == columns.position.len()).then_some(([0.0, 1.0], closing));
         }
         let is_opaque = attributes.stays_opaque() && attached.iter().all(|a| a.opacity.is_none());
-        let (duplicates, repeats) = match &shape {
+        let mut repeats = match &shape {
             SourceShape::Spheres(columns) | SourceShape::Objects(columns, _)
                 if columns.len() > 1 && attributes.solid.is_none() =>
             {
-                duplicates(columns, !is_opaque || attributes.displacement.is_some())
+                repeats(columns, !is_opaque || attributes.displacement.is_some())
             }
-            _ => (vec![], vec![]),
+            _ => vec![],
         };
-        let repeats = if is_opaque { vec![] } else { repeats };
+        if is_opaque {
+            repeats.iter_mut().for_each(|n| *n = (*n).min(1));
+        }
         let spot = self.scene.warnings.spot();
         let first_id = self.scene.n_items + 1;
         let source = Source {
@@ -387,7 +389,6 @@ impl Context {
             particles,
             wholes,
             first_id,
-            duplicates,
             repeats,
             attached,
             spot,

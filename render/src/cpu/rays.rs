@@ -241,7 +241,7 @@ impl<'a> Hulls<'a> {
         let mut primitives: BTreeMap<u32, Vec<Item>> = BTreeMap::new();
         for (s, source) in scene.sources.iter().enumerate() {
             hulls.outward.push(vec![true; if source.attributes.solid.is_some() { source.len() } else { 0 }]);
-            if let Some(leaf) = source.attributes.solid.filter(|_| source.duplicates.is_empty()) {
+            if let Some(leaf) = source.attributes.solid.filter(|_| source.repeats.is_empty()) {
                 let items = (0..source.len()).map(|i| Item { source: s as u32, index: i as u32 });
                 primitives.entry(leaf).or_default().extend(items);
             }

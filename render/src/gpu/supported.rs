@@ -14,7 +14,9 @@ pub fn refused(scene: &Scene) -> Option<String> {
     let has_solids = scene.sources.iter().any(is_solid);
     let what = match () {
         () if has_solids => "solids",
-        () if scene.sources.iter().any(|source| !source.repeats.is_empty()) => "translucent primitives in one place",
+        () if scene.sources.iter().any(|source| source.repeats.iter().any(|n| *n > 1)) => {
+            "translucent primitives in one place"
+        }
         () => return None,
     };
     Some(format!("the scene has {what}, which is not built for graphics devices"))

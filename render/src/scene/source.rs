@@ -77,9 +77,8 @@ pub struct Source {
     pub wholes: Wholes,
     /// The id of its first item, from 1.
     pub first_id: usize,
-    /// Which instances stand where another before them does and hide behind it; empty if none does.
-    pub duplicates: Vec<bool>,
-    /// How many primitives that let light through, alike in all, stand as one where each instance does; empty if one does.
+    /// How many primitives stand as one where each instance does; 0 of those that stand where one before them does, and hide behind it or
+    /// are counted there. Empty if all stand alone.
     pub repeats: Vec<u32>,
     /// The variables of each part, attached to its shaders; of one for all items where there are no parts.
     pub attached: Vec<Arc<Attached>>,
@@ -160,13 +159,12 @@ impl Source {
     }
 }
 
-/// Instances that stand where one before them does: which do, and how many stand where each does that is the first there. Of those whose
-/// variables count, these are the same. Both are empty if all stand alone.
-pub(crate) fn duplicates(columns: &Instances, variables_count: bool) -> (Vec<bool>, Vec<u32>) {
+/// How many instances stand where each does, as [`Source::repeats`] has them; of those whose variables count, these are the same.
+pub(crate) fn repeats(columns: &Instances, variables_count: bool) -> Vec<u32> {
     let n = columns.len();
     let mut first: HashMap<u64, u32, BuildHasherDefault<Mixed>> =
         HashMap::with_capacity_and_hasher(n, Default::default());
-    let (mut duplicate, mut repeats) = (Vec::new(), Vec::new());
+    let mut repeats = Vec::new();
     for i in 0..n {
         let (scale, turn) = (columns.scale.get(i), columns.orientation.get(i));
         let numbers = columns.position[i].iter().chain(scale.into_iter().flatten()).chain(turn.into_iter().flatten());
@@ -179,13 +177,12 @@ pub(crate) fn duplicates(columns: &Instances, variables_count: bool) -> (Vec<boo
             && columns.moved.as_ref().is_none_or(|(_, to)| to[i] == to[before])
             && !(variables_count && columns.params.iter().any(|p| !has_one_value(p, i, before)));
         if same {
-            duplicate.resize(n, false);
             repeats.resize(n, 1);
-            duplicate[i] = true;
             repeats[before] += 1;
+            repeats[i] = 0;
         }
     }
-    (duplicate, repeats)
+    repeats
 }
 
 /// Whether two instances have one value of a variable.
@@ -349,7 +346,7 @@ mod tests {
             params: vec![Param::floats("k", Class::Uniform, Type::Float, vec![1.0, 2.0, 1.0, 3.0, 2.0])],
             moved: None,
         };
-        assert_eq!(duplicates(&columns, false), (vec![false, false, true, true, true], vec![3, 2, 1, 1, 1]));
-        assert_eq!(duplicates(&columns, true), (vec![false, false, true, false, true], vec![2, 2, 1, 1, 1]));
+        assert_eq!(repeats(&columns, false), [3, 2, 0, 0, 0]);
+        assert_eq!(repeats(&columns, true), [2, 2, 0, 1, 0]);
     }
 }
