@@ -11,8 +11,8 @@ use crate::gprim::polygon::{Cut, MOST_CROSSED, polygon_cut, polygon_patches, tur
 use crate::gprim::subdivision;
 use crate::gprim::teapot::teapot;
 use crate::gprim::variables::{
-    Places, attach_variables, corner_columns, corner_variables, names_of, note_varying, patch_variables, positions,
-    set_varying, too_few, weighted,
+    Counts, Places, attach_variables, corner_columns, corner_variables, names_of, note_varying, patch_variables,
+    positions, set_varying, too_few, weighted,
 };
 use crate::scene::patch::Patch;
 use crate::scene::source::{SourceShape, instance_variables};
@@ -42,11 +42,34 @@ impl Context {
         }
     }
 
+    /// Say which variables of a primitive have more values than it takes.
+    pub(super) fn say_surplus(&self, params: &Params, counts: Counts) {
+        params.iter().filter_map(|param| counts.surplus(param)).for_each(|said| self.scene.warn(said));
+    }
+
+    /// The same of polygons with so many faces and corners, and say if corners are left over.
+    fn say_surplus_of_faces(&self, params: &Params, [faces, corners]: [usize; 2], vertices: &[i32]) {
+        let points = params.iter().find(|p| p.decl.name == "P").map_or(0, |p| p.numbers().len() / 3);
+        let counts = Counts { uniform: faces, varying: points, vertex: points, facevarying: corners };
+        self.say_surplus(params, counts);
+        self.say_vertices_beyond(vertices.len(), corners);
+    }
+
+    /// Say if a list of vertices has more than those of the faces.
+    fn say_vertices_beyond(&self, given: usize, corners: usize) {
+        if given > corners {
+            self.scene.warn(format!(
+                "the vertex list has {given} numbers, and the faces have {corners} vertices: those beyond are not used"
+            ));
+        }
+    }
+
     pub(super) fn draw_polygon(&mut self, params: Params) -> RiResult {
         let n = params.iter().find(|p| p.decl.name == "P").map_or(0, |p| p.numbers().len() / 3);
         if n < 3 {
             return Err(Fail::new(format!("a polygon has {n} vertices in \"P\", expected at least 3")));
         }
+        self.say_surplus_of_faces(&params, [1, n], &[]);
         let patches = self.polygon(&[(0..n).collect::<Vec<_>>()], &params, 0, 0)?;
         self.add_patches(patches, names_of(&params))
     }
@@ -56,6 +79,10 @@ impl Context {
         let given = params.iter().find(|p| p.decl.name == "P").map_or(0, |p| p.numbers().len() / 3);
         if total > given as i64 {
             return Err(Fail::new(format!("the loops have {total} vertices, and \"P\" has {given}")));
+        }
+        if total < given as i64 {
+            let message = format!("the loops have {total} vertices, and \"P\" has {given}: those beyond are not used");
+            self.scene.warn(message);
         }
         self.draw_points_general_polygons(
             vec![n_vertices.len() as i32],
@@ -87,6 +114,7 @@ impl Context {
             }
             patches.extend(self.polygon(&loops, &params, face, first)?);
         }
+        self.say_surplus_of_faces(&params, [n_loops.len(), at], &vertices);
         self.add_patches(patches, names_of(&params))
     }
 
@@ -114,6 +142,7 @@ impl Context {
             patches.extend(self.polygon(&[corners], &params, face, first)?);
             first += n;
         }
+        self.say_surplus_of_faces(&params, [n_vertices.len(), first], &vertices);
         self.add_patches(patches, names_of(&params))
     }
 
@@ -170,6 +199,7 @@ impl Context {
         };
         let vertex = is_cubic.then(|| (std::array::from_fn(|k| k), &self.geometry.bases));
         let places = Places { varying: [0, 1, 2, 3], corner: [0, 1, 2, 3], face: 0, vertex };
+        self.say_surplus(&params, Counts { vertex: points.len(), ..Counts::FOUR });
         patch_variables(&mut patch, &params, &places)?;
         self.add_patches(vec![patch], names_of(&params))
     }
@@ -199,6 +229,10 @@ impl Context {
         let params = self.with_heights(weighted(params)?, kind, sizes)?;
         let points = positions(&params)?;
         let mesh = patch_mesh(kind == "bicubic", &points, sizes, wraps, &self.geometry.bases, self.geometry.steps)?;
+        let n_corners = mesh.iter().flat_map(|(_, varying, _)| varying).max().map_or(0, |k| k + 1);
+        let counts =
+            Counts { uniform: mesh.len(), varying: n_corners, vertex: points.len(), facevarying: 4 * mesh.len() };
+        self.say_surplus(&params, counts);
         let mut patches = Vec::new();
         for (face, (mut patch, varying, controls)) in mesh.into_iter().enumerate() {
             let vertex = controls.map(|controls| (controls, &self.geometry.bases));
@@ -274,6 +308,15 @@ impl Context {
                 }
                 of_spans.push(VariableName::of(&param.decl));
                 continue;
+            }
+            if param.decl.class == Class::Uniform && !matches!(param.decl.name.as_str(), "P" | "Pw") {
+                let n = patches.first().map_or(1, |patch| span_of(patch, &u, &v)[1]);
+                if n > 1 && !values.is_empty() {
+                    let name = &param.decl.name;
+                    self.scene.warn(format!(
+                        "`{name}` of class uniform has one value, expected {n}, one a span: it is that of all"
+                    ));
+                }
             }
             let own = !param.decl.class.is_whole()
                 && (values.len() > 4 * width || param.decl.class == Class::Vertex)
@@ -415,6 +458,11 @@ impl Context {
             }
             value += curve.n_varying;
         }
+        self.say_surplus(&params, Counts { uniform: n_vertices.len(), varying: value, vertex: at, facevarying: value });
+        if at < points.len() {
+            let n = points.len();
+            self.scene.warn(format!("\"P\" has {n} points, and the curves {at} vertices: those beyond are not used"));
+        }
         self.add_patches(patches, names_of(&own))
     }
 
@@ -439,8 +487,11 @@ impl Context {
         let is_smooth = |p: &Param| p.decl.class == Class::Vertex && !matches!(p.decl.name.as_str(), "P" | "N");
         let (smooth, others): (Params, Params) =
             params.iter().filter(|p| !p.numbers().is_empty()).cloned().partition(is_smooth);
+        let (n_faces, n_points) = (n_vertices.len(), points.len());
+        let counts = Counts { uniform: n_faces, varying: n_points, vertex: n_points, facevarying: corners };
+        self.say_surplus(&params, counts);
+        self.say_vertices_beyond(vertices.len(), corners);
         let (columns, values, width) = corner_columns(&others, &vertices, corners)?;
-        let n_points = points.len();
         let mesh = subdivision::Mesh::new(points, &n_vertices, &vertices, &tags, &values, width)?;
         // Fewer steps where there are many faces already, or many patches of other meshes.
         let of_faces = match n_vertices.len() {
@@ -469,7 +520,7 @@ impl Context {
         }
         for param in smooth {
             let width = param.decl.width();
-            if param.numbers().len() != n_points * width {
+            if param.numbers().len() < n_points * width {
                 return Err(too_few(&param));
             }
             let mut all = vec![vec![0.0; 16 * width]; patches.len()];
@@ -496,7 +547,13 @@ impl Context {
             return Ok(());
         }
         let mut patches = teapot();
-        let whole: Params = params.iter().filter(|p| p.decl.class.is_whole()).cloned().collect();
+        let (whole, others): (Params, Params) = params.into_iter().partition(|p| p.decl.class.is_whole());
+        for Param { decl, .. } in others {
+            let (name, class) = (decl.name, decl.class.name());
+            self.scene
+                .warn(format!("`{name}` of class {class} has no effect on a teapot, expected constant or uniform"));
+        }
+        self.say_surplus(&whole, Counts::FOUR);
         let names = attach_variables(&mut patches, &whole)?;
         self.add_patches(patches, names)
     }
