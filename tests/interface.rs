@@ -417,8 +417,41 @@ fn programs_that_answer_without_end_are_said() {
             format!("Display \"t.png\" \"png\" \"rgb\"\n{ORTHO}\nWorldBegin\n{world}\nWorldEnd\n"),
         )
         .unwrap();
-        let answer = scree(&["render", &place("t.rib"), "--allow-programs", "-o", &place("")]);
-        assert!(answer.errors().contains(said), "{script}: {}", answer.errors());
+        let begun = std::time::Instant::now();
+        let allowed = ["--allow-programs", "--program-seconds", "2"];
+        let answer = scree(&[&["render", &place("t.rib"), "-o", &place("")], &allowed[..]].concat());
+        let errors = answer.errors();
+        assert!(errors.contains(said), "{script}: {}", &errors[..errors.len().min(2000)]);
+        assert!(begun.elapsed().as_secs() < 60, "{script}: {:?}", begun.elapsed());
+    }
+}
+
+/// RISpec 5.7 sets no end to objects within objects: ten of ten of ten … are many soon.
+#[test]
+fn objects_of_objects_have_an_end() {
+    let work = scratch();
+    let place = |name: &str| work.path().join(name).to_str().unwrap().to_string();
+    let objects = |levels: usize| {
+        let instances = |k: usize| format!("ObjectInstance {k} ").repeat(10);
+        let object = |k: usize| format!("ObjectBegin {} {} ObjectEnd\n", k + 1, instances(k));
+        let all: String = (1..=levels).map(object).collect();
+        format!("ObjectBegin 1 Sphere .1 -.1 .1 360 ObjectEnd\n{all}ObjectInstance {}\n", levels + 1)
+    };
+    for (levels, expected) in
+        [(4, None), (12, Some("t.rib:11:32: the object `8` is made of objects with more than 1048576 parts"))]
+    {
+        let text = format!("Display \"t.png\" \"png\" \"rgb\"\n{ORTHO}\nWorldBegin\n{}WorldEnd\n", objects(levels));
+        std::fs::write(place("t.rib"), text).unwrap();
+        let answer = scree(&["render", &place("t.rib"), "-o", &place("")]);
+        match expected {
+            Some(said) => {
+                let errors = answer.fails(3);
+                assert!(errors.contains(said), "{errors}");
+            }
+            None => {
+                answer.ok();
+            }
+        }
     }
 }
 
