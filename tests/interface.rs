@@ -403,7 +403,11 @@ fn programs_that_answer_without_end_are_said() {
             format!("Procedural \\\"RunProgram\\\" [ \\\"{}\\\" \\\"x\\\" ] [-1 1 -1 1 -1 1] ", place("again.sh"));
         format!("#!/bin/sh\nwhile read -r line; do printf '%s\\377' \"{}\"; done\n", ask.repeat(times))
     };
+    // A request that is longer than a pipe holds.
+    let request = "x".repeat(1 << 20);
     for (script, said) in [
+        ("#!/bin/sh\nexec sleep 100\n".into(), "gave no answer within 2 s; --program-seconds gives it more"),
+        ("#!/bin/sh\nwhile true; do printf x; sleep 0.1; done\n".into(), "gave no answer within 2 s"),
         (asks(1), "ask each other more than 32 deep"),
         (asks(2), "ask each other more than 32 deep"),
         ("#!/bin/sh\nexec yes\n".into(), "answers without end"),
@@ -411,7 +415,8 @@ fn programs_that_answer_without_end_are_said() {
         std::fs::write(place("again.sh"), &script).unwrap();
         #[cfg(unix)]
         std::fs::set_permissions(place("again.sh"), std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
-        let world = format!("Procedural \"RunProgram\" [\"{}\" \"x\"] [-1 1 -1 1 -1 1]", place("again.sh"));
+        let asked = if script.contains("sleep") { request.as_str() } else { "x" };
+        let world = format!("Procedural \"RunProgram\" [\"{}\" \"{asked}\"] [-1 1 -1 1 -1 1]", place("again.sh"));
         std::fs::write(
             place("t.rib"),
             format!("Display \"t.png\" \"png\" \"rgb\"\n{ORTHO}\nWorldBegin\n{world}\nWorldEnd\n"),

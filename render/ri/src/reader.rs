@@ -4,7 +4,7 @@ use crate::arguments::{Arguments, Known, Spot, describe};
 use crate::dispatch::{self, Placed};
 use crate::files::Files;
 use crate::lexer::Token;
-use crate::programs::Programs;
+use crate::programs::{PATIENCE, Programs};
 use crate::requests::Request;
 use crate::ri::{Fail, Ri, RiResult};
 use guard::memory::Bytes;
@@ -461,7 +461,7 @@ impl<'a> Reader<'a> {
                     return Ok(());
                 };
                 self.count_asked(program, place)?;
-                let answer = self.shared.programs.ask(&path, program, ri.detail(bound), request);
+                let answer = self.shared.programs.ask(&path, program, (ri.detail(bound), request), self.files.program_time.unwrap_or(PATIENCE));
                 let answer = answer.map_err(|m| self.error(place, m))?;
                 self.nested(&path, FIRST, &answer, ri, on_directive)
             }
