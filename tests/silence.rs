@@ -249,6 +249,7 @@ fn images_that_textures_are_made_of_are_looked_for() {
         std::fs::create_dir(work.path().join("maps")).unwrap();
         square.save(work.path().join("there.png")).unwrap();
         square.save(work.path().join("maps/other.png")).unwrap();
+        std::fs::write(work.path().join("bad.png"), "no image").unwrap();
         let path = work.path().join("t.rib");
         let world = "WorldBegin\nDisk 0 .8 360\nWorldEnd\n";
         std::fs::write(&path, format!("{head}{request}\n{world}Display \"u.png\" \"png\" \"rgb\"\n{world}")).unwrap();
@@ -271,6 +272,13 @@ fn images_that_textures_are_made_of_are_looked_for() {
     }
     let there = "MakeTexture \"there.png\" \"a\" \"black\" \"black\" \"box\" 1 1";
     let other = "MakeLatLongEnvironment \"other.png\" \"b\" \"box\" 1 1\nOption \"searchpath\" \"texture\" \"maps\"";
+    for (request, name) in
+        [("MakeTexture \"bad.png\" \"a\" \"black\" \"black\" \"box\" 1 1".to_string(), "a"), (faces("bad.png"), "cube")]
+    {
+        let errors = made(&request);
+        let said = format!("t.rib:3:1: texture `{name}` cannot be read and is black: `");
+        assert_eq!(errors.matches(&said).count(), 1, "{request}: {errors}");
+    }
     for request in [there, &faces("there.png"), other] {
         let errors = made(request);
         assert!(!errors.contains("warning"), "{request}: {errors}");

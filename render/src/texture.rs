@@ -111,6 +111,12 @@ impl Source {
     }
 }
 
+
+    /// The first of its images whose file does not begin as one, and why.
+    pub fn unreadable(&self, folders: &[PathBuf]) -> Option<(PathBuf, String)> {
+        let found = self.paths().iter().filter_map(|path| find(path, folders));
+        found.filter_map(|path| guard::check_image(&path).err().map(|why| (path, why))).next()
+    }
 /// Note the files of the texture of this name, if there is one.
 pub fn note(name: &str, made: &Made, folders: &[PathBuf]) {
     let own = [PathBuf::from(name)];
