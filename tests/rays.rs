@@ -227,6 +227,48 @@ fn textures_in_files_look_as_those_in_memory() {
     assert!(much.pixels == little.pixels && much.pixels.iter().any(|p| p[0] > 0.2));
 }
 
+/// RISpec 15.7.1: the fill value is that of channels that a map has not.
+#[test]
+fn channels_that_a_map_has_not_are_filled() {
+    let png = |image: image::DynamicImage| {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+        bytes.into_inner()
+    };
+    let grey = png(image::GrayImage::from_pixel(4, 4, image::Luma([51])).into());
+    let covered = png(image::GrayAlphaImage::from_pixel(4, 4, image::LumaA([51, 102])).into());
+    let colour = png(image::RgbImage::from_pixel(4, 4, image::Rgb([51, 102, 153])).into());
+    let whole = png(image::RgbaImage::from_pixel(4, 4, image::Rgba([51, 102, 153, 204])).into());
+    let files = [("g.png", &grey), ("ga.png", &covered), ("rgb.png", &colour), ("rgba.png", &whole)];
+    for (name, channels) in [
+        ("g.png", [0.2, 0.3, 0.3, 0.3, 0.3]),
+        ("ga.png", [0.2, 0.4, 0.3, 0.3, 0.3]),
+        ("rgb.png", [0.2, 0.4, 0.6, 0.3, 0.3]),
+        ("rgba.png", [0.2, 0.4, 0.6, 0.8, 0.3]),
+    ] {
+        for (k, expected) in channels.into_iter().enumerate() {
+            let shader = format!(
+                "surface map() {{ Ci = color(float texture(\"{name}\"[{k}], .5, .5, \"fill\", .3), float texture(\"{name}\"[{k}], .5, .5), 0); Oi = 1; }}"
+            );
+            let all: Vec<(&str, &[u8])> =
+                files.iter().map(|(name, bytes)| (*name, &bytes[..])).chain([("map.sl", shader.as_bytes())]).collect();
+            let p = render_with(&all, &ORTHO.replace("8 8", "1 1"), "Surface \"map\" Disk 0 .8 360");
+            let [filled, empty, ..] = p.at(40, 40);
+            let is_there = expected != 0.3;
+            assert!((filled - expected).abs() < 1e-5, "{name}[{k}]: {filled}, expected {expected}");
+            assert!((empty - if is_there { expected } else { 0.0 }).abs() < 1e-5, "{name}[{k}]: {empty}");
+        }
+    }
+    // A colour of one channel is grey.
+    let shader = b"surface map() { Ci = color texture(\"g.png\", .5, .5); Oi = 1; }";
+    let p = render_with(
+        &[("map.sl", shader), ("g.png", &grey)],
+        &ORTHO.replace("8 8", "1 1"),
+        "Surface \"map\" Disk 0 .8 360",
+    );
+    assert!(p.at(40, 40)[..3].iter().all(|c| (c - 0.2).abs() < 1e-5), "{:?}", p.at(40, 40));
+}
+
 /// What lies close behind another primitive is met by a ray that passes this, however small it is in pixels.
 #[test]
 fn a_ray_meets_what_is_close_behind_another_primitive() {
