@@ -199,12 +199,13 @@ impl Context {
     pub(super) fn say_levels_of_depths(&self) {
         let is_depth = |layer: &Layer| matches!(layer, Layer::Aov(aov) if aov.name == "z");
         let is_cut = |display: &&Display| {
-            let levels = display.levels(self.options.quantize_one, self.options.quantize_range);
+            let ([_, one, min, max], _) = display.levels(&self.options.quantization());
+            let levels = [0, one, min, max];
             !stores_floats(display.format(), levels) && display.layers().iter().any(is_depth)
         };
         for display in self.options.displays.iter().filter(is_cut) {
             self.scene.warn(format!(
-                "the depths of `{}` are levels from 0 to 1, and all beyond are 1: EXR keeps them, and TIFF of floats beside colours",
+                "the depths of `{}` are levels from 0 to 1, and all beyond are 1: EXR keeps them, and TIFF where they are floats",
                 display.name
             ));
         }
@@ -229,8 +230,7 @@ impl Context {
                 (self.options.quantize_one, self.options.dither) = (one, dither);
                 self.options.quantize_range = [min, max];
             }
-            "z" if one == 0 => {}
-            "z" => self.scene.warn("`Quantize \"z\"` has no effect: depths in EXR files are floats".into()),
+            "z" => self.options.quantize_depth = ([0, one, min, max], dither),
             other => self.scene.warn(format!("`Quantize \"{other}\"` is not known, expected rgba or z")),
         }
         Ok(())
