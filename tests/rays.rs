@@ -227,6 +227,30 @@ fn textures_in_files_look_as_those_in_memory() {
     assert!(much.pixels == little.pixels && much.pixels.iter().any(|p| p[0] > 0.2));
 }
 
+/// Rounding puts a place of a seam between patches beside all of them.
+#[test]
+fn seams_have_the_normal_of_their_surface() {
+    let shown =
+        b"surface shown() { normal n = normalize(N); Ci = (color(xcomp(n), ycomp(n), zcomp(n)) + 1) / 2; Oi = 1; }";
+    let traces = b"surface traces() { Ci = trace(P, vector(0, 0, 1)); Oi = 1; }";
+    let files: [(&str, &[u8]); 2] = [("shown.sl", shown), ("traces.sl", traces)];
+    // Turned by 30 degrees about the axis: the normal (0, 0, 1) of what lies in z = 0 becomes (0, -1/2, √3/2).
+    let mesh = "Rotate 17 0 0 1 PatchMesh \"bilinear\" 5 \"nonperiodic\" 2 \"nonperiodic\" \"P\" [-2 -2 0 -1 -2 0 0 -2 0 1 -2 0 2 -2 0 -2 2 0 -1 2 0 0 2 0 1 2 0 2 2 0]";
+    for shape in ["Disk 0 3 360", "Rotate 12 0 0 1 Disk 0 3 360", mesh] {
+        let world = format!(
+            "AttributeBegin Surface \"shown\" Translate 0 0 1 Rotate 30 1 0 0 {shape} AttributeEnd
+            Surface \"traces\" Polygon \"P\" [-.8 -.8 0 .8 -.8 0 .8 .8 0 -.8 .8 0]"
+        );
+        let p = render_with(&files, &ORTHO.replace("8 8", "1 1"), &world);
+        for (x, y) in (10..70).flat_map(|x| (10..70).map(move |y| (x, y))) {
+            let found = [0, 1, 2].map(|c| 2.0 * p.at(x, y)[c] - 1.0);
+            let expected = [0.0, -0.5, 0.75f32.sqrt()];
+            let is_near = found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3);
+            assert!(is_near, "{shape} ({x}, {y}): {found:?}, expected {expected:?}");
+        }
+    }
+}
+
 /// RISpec 15.7.1: the fill value is that of channels that a map has not.
 #[test]
 fn channels_that_a_map_has_not_are_filled() {

@@ -7,7 +7,7 @@
 //! what of the surface shader Oi depends on; where that asks `occlusion` in turn, beyond this depth nothing is hidden.
 
 use crate::cpu::globals::{fill_velocity, surface_globals};
-use crate::cpu::met::{Hit, Met, flat_normal, meet, meet_displaced, normal_near};
+use crate::cpu::met::{Hit, Met, flat_normal, meet, meet_displaced};
 use crate::cpu::rays::{BEFORE_END, ROUNDING, Rays};
 use crate::cpu::volumes::Leg;
 use crate::scene::attributes::Attributes;
@@ -310,10 +310,7 @@ impl<'a> View<'a> {
     fn goes_outwards(&self, item: Item, hit: &Hit) -> bool {
         let view = self.scene.view(item);
         let side = if view.attributes.reversed { -1.0 } else { 1.0 };
-        let met = self.meet(item, &view, hit);
-        // At a seam of patches rounding may put a place beside all of them.
-        let beside = met.on.is_none().then(|| normal_near(&view, met.place)).flatten();
-        beside.unwrap_or(met.geometric).dot(hit.dir) * side > 0.0
+        self.meet(item, &view, hit).geometric.dot(hit.dir) * side > 0.0
     }
 
     /// Whether a ray from a place on the own surface leaves it outwards: by the normal there, which does not depend on where beside
