@@ -17,6 +17,7 @@
 mod archive;
 mod arrows;
 mod camera;
+mod directive;
 mod group;
 mod instances;
 mod keys;
@@ -29,6 +30,8 @@ mod trails;
 use crate::binding::{Binding, Camera, Color, ImageFormat, Object, Output, Quality, Shape};
 use crate::moment::Moment;
 pub use camera::Stand;
+pub use directive::take_alone;
+use directive::{OVERRIDES, unknown};
 use frame::{Fault, Frame};
 pub use group::Group;
 pub use instances::Prepared;
@@ -55,37 +58,6 @@ impl From<Fault> for EmitError {
 
 /// How much larger micropolygons of planes are than others.
 const SLANT: f32 = 3.0;
-
-/// What is left of settings that no directive has placed yet.
-const OVERRIDES: [&str; 5] = ["Format", "Display", "PixelSamples", "PixelFilter", "ShadingRate"];
-
-/// What scenes ask to be injected.
-const INJECTIONS: [&str; 6] = ["camera", "lights", "objects", "floor", "pebbles", "levels"];
-
-/// What is said of a directive that nobody knows.
-fn unknown(directive: &str) -> Fail {
-    let mut words = directive.split_whitespace();
-    let (what, known) = match (words.next(), words.next().unwrap_or("")) {
-        (Some("override"), what) => (format!("override {what}"), format!("one of {}", OVERRIDES.join(", "))),
-        (Some("inject"), what) => {
-            (format!("inject {what}"), "camera, lights, objects, floor, pebbles or levels".into())
-        }
-        _ => (directive.into(), "`inject`, `override`, `ground`, `floor`, `unit` or `decade`".into()),
-    };
-    Fail::new(format!("`#scree {what}` is unknown, expected {known}"))
-}
-
-/// Take a directive of a scene that is read without a binding, where it changes nothing; whether it asks for something to be injected. An
-/// error if nobody knows it.
-pub fn take_alone(directive: &str) -> Result<bool, Fail> {
-    let mut words = directive.split_whitespace();
-    match (words.next(), words.next()) {
-        (Some("inject"), Some(what)) if INJECTIONS.contains(&what) => Ok(true),
-        (Some("override"), Some(what)) if OVERRIDES.contains(&what) => Ok(false),
-        (Some("ground" | "floor" | "unit" | "decade"), None) => Ok(false),
-        _ => Err(unknown(directive)),
-    }
-}
 
 /// Emit a frame to `ri`: read the binding's scene through the search path `files`, and make the calls of its directives. `image` is
 /// the path of the image file. Returns the values that the rows lack. An error if the scene lacks a directive that the binding needs,

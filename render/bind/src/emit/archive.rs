@@ -1,6 +1,6 @@
 //! Files that are read in place: RIB, and meshes.
 
-use crate::emit::take_alone;
+use crate::emit::directive::take_alone;
 use frame::mesh;
 use ri::files::Files;
 use ri::{Class, Fail, Param, Ri, RiResult, Type, reader};
