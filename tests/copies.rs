@@ -59,6 +59,15 @@ fn primitives_of_one_look_in_one_place_are_shaded_once() {
         let shape = "Patch \"bilinear\" \"P\" [-1 -1 0 1 -1 0 -1 1 0 1 1 1]\n";
         assert_eq!(items(&format!("{glass}{shape}{other}\n{shape}")), 2 * items(&format!("{glass}{shape}")), "{other}");
     }
+    // What shaders move or let light through hides nothing that they leave as it is, and is not hidden by that.
+    let plain = "Surface \"matte\"\n";
+    for other in [glass, grow] {
+        for [first, second] in [[other, plain], [plain, other]] {
+            let world =
+                format!("AttributeBegin {first}{sphere}AttributeEnd AttributeBegin {second}{sphere}AttributeEnd\n");
+            assert_eq!(items(&world), 2 * items(sphere), "{world}");
+        }
+    }
     let varied =
         |k: f32| format!("Patch \"bilinear\" \"P\" [-1 -1 0 1 -1 0 -1 1 0 1 1 1] \"varying float Kr\" [0 0 {k} 1]\n");
     assert_eq!(items(&format!("{glass}{}{}", varied(0.0), varied(1.0))), 2 * items(&format!("{glass}{}", varied(0.0))));

@@ -36,8 +36,7 @@ impl Copies {
             return false;
         }
         let Some(hash) = hash_of(new) else { return false };
-        let keeps_opacity = a.keeps_opacity() && new.attached.iter().all(|attached| attached.opacity.is_none());
-        let stays = keeps_opacity && a.displacement.is_none();
+        let stays = stays(new);
         for k in 0..MOST {
             // The next that differs is by another number.
             let key = hash.wrapping_add(u64::from(k).wrapping_mul(0x9e37_79b9_7f4a_7c15));
@@ -46,7 +45,7 @@ impl Copies {
                 return false;
             };
             let Some(first) = sources.get_mut(known.source as usize) else { return false };
-            if !is_alike(first, new) || !stays && !has_one_look(first, new) {
+            if stays != self::stays(first) || !is_alike(first, new) || !stays && !has_one_look(first, new) {
                 continue;
             }
             if stays {
@@ -55,7 +54,7 @@ impl Copies {
                 known.count += !is_hidden as u32;
                 return is_hidden;
             }
-            if !(keeps_opacity && a.opacity == [1.0; 3]) {
+            if !(keeps_opacity(new) && a.opacity == [1.0; 3]) {
                 first.repeats.resize(1, 1);
                 first.repeats[0] = first.repeats[0].saturating_add(1);
             }
@@ -63,6 +62,16 @@ impl Copies {
         }
         false
     }
+}
+
+/// Whether the opacity of a primitive is the attribute's.
+fn keeps_opacity(source: &Source) -> bool {
+    source.attributes.keeps_opacity() && source.attached.iter().all(|attached| attached.opacity.is_none())
+}
+
+/// Whether a primitive stays as its attributes say, in its place and in what it lets through.
+fn stays(source: &Source) -> bool {
+    keeps_opacity(source) && source.attributes.displacement.is_none()
 }
 
 /// Whether shaders make the same of two primitives of one form and place.
@@ -105,7 +114,9 @@ fn hash_of(source: &Source) -> Option<u64> {
             add(&columns.position[0]);
             columns.scale.iter().for_each(|x| add(x));
             columns.orientation.iter().for_each(|x| add(x));
-            parts.iter().for_each(|part| add(&part.place.to_cols_array()));
+            // Instances of one object share its parts.
+            parts.first().iter().for_each(|part| add(&part.place.to_cols_array()));
+            add(&[parts.len() as f32]);
         }
         _ => return None,
     }
