@@ -153,7 +153,7 @@ fn check_scene(path: &Path, said: &mut Said) -> Outcome {
     let files = Files { programs: Permission::PassOver, ..library::files(folder) };
     let mut context = Context::new(files.clone()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
     context.dry = true;
-    reader::read(path, &rib, &files, &mut context, &mut |_, _| Ok(()))?;
+    reader::read(path, &rib, &files, &mut context, &mut |_, directive| emit::take_alone(directive).map(|_| None))?;
     said.warnings.extend(context.warnings().iter().map(|w| w.to_string()));
     Ok(())
 }

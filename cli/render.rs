@@ -8,6 +8,7 @@ use crate::ledger::Ledger;
 use crate::progress::Progress;
 use crate::report::{Exit, Failure, Outcome};
 use crate::{images, model_run};
+use bind::emit;
 use render::DrawnBy;
 use render::film::display;
 use render::ri::reader;
@@ -47,7 +48,15 @@ fn scene(job: &RenderScene) -> Outcome {
     let progress = Arc::new(Progress::start("rendering", 100, "%"));
     let bar = progress.clone();
     context.on_progress(move |done, all| bar.at((100 * done / all.max(1)) as u64));
-    reader::read(&job.path, &job.rib, &job.files, &mut context, &mut |_, _| Ok(()))?;
+    reader::read(&job.path, &job.rib, &job.files, &mut context, &mut |_, directive| {
+        let is_asked = emit::take_alone(directive)?;
+        let message = || {
+            format!(
+                "`#scree {directive}` has no effect in a scene that is rendered by itself: metadata says what it injects"
+            )
+        };
+        Ok(is_asked.then(message))
+    })?;
     let is_open = context.is_world_open();
     let results = write(context, &job.folder, None)?;
     progress.finish();

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Version of the format.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// Most shards of an image.
 const MOST_PARTS: usize = 1_000_000;
 
@@ -47,6 +47,8 @@ pub struct Header {
     range: [i32; 2],
     /// Amplitude of the dither.
     dither: f32,
+    /// Levels of depths that are alone in a file, and their dither.
+    depth_levels: ([i32; 4], f32),
     /// Crop window: left, right, top and bottom, as fractions of the image.
     crop: [f32; 4],
     /// blake3 hash of this header, in which it is empty, and of the pixels, hexadecimal.
@@ -95,6 +97,7 @@ pub fn write(result: &RenderResult, displays: &[&Display], image_path: &Path, sh
         one: options.quantize_one,
         range: options.quantize_range,
         dither: options.dither,
+        depth_levels: options.quantize_depth,
         crop: options.crop,
         hash: String::new(),
     };
@@ -179,6 +182,7 @@ impl Header {
             quantize_one: self.one,
             quantize_range: self.range,
             dither: self.dither,
+            quantize_depth: self.depth_levels,
             crop: self.crop,
             about: self.about.clone(),
             pixel_aspect: self.pixel_aspect,

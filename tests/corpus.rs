@@ -69,7 +69,7 @@ fn calls(path: &Path, rib: &[u8], binary: bool) -> Vec<u8> {
     let mut writer = if binary { Writer::binary(Vec::new()) } else { Writer::new(Vec::new()) }.unwrap();
     let path = PathBuf::from(path.file_name().unwrap());
     let files = Files { programs: Permission::All, ..Files::default() };
-    match reader::read(&path, rib, &files, &mut writer, &mut |_, _| Ok(())) {
+    match reader::read(&path, rib, &files, &mut writer, &mut |_, _| Ok(None)) {
         Ok(()) => writer.into_inner(),
         Err(e) => format!("error: {e}\n").into_bytes(),
     }

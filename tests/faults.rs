@@ -62,7 +62,7 @@ proptest! {
         let files = Files { folders: vec![root()], ..Files::default() };
         let mut context = render::Context::new(files.clone()).unwrap();
         context.dry = true;
-        let _ = render::ri::reader::read(Path::new("t.rib"), wounded(RIB, &w).as_bytes(), &files, &mut context, &mut |_, _| Ok(()));
+        let _ = render::ri::reader::read(Path::new("t.rib"), wounded(RIB, &w).as_bytes(), &files, &mut context, &mut |_, _| Ok(None));
     }
 
     #[test]

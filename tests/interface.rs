@@ -393,36 +393,6 @@ fn colours_of_other_samples_become_red_green_and_blue() {
 }
 
 #[test]
-fn programs_that_answer_without_end_are_said() {
-    // RISpec 5.8: a program's answer is RIB, which may ask the program again. One asks for itself in each answer, one twice, one never
-    // ends its answer.
-    let work = scratch();
-    let place = |name: &str| work.path().join(name).to_str().unwrap().to_string();
-    let asks = |times: usize| {
-        let ask =
-            format!("Procedural \\\"RunProgram\\\" [ \\\"{}\\\" \\\"x\\\" ] [-1 1 -1 1 -1 1] ", place("again.sh"));
-        format!("#!/bin/sh\nwhile read -r line; do printf '%s\\377' \"{}\"; done\n", ask.repeat(times))
-    };
-    for (script, said) in [
-        (asks(1), "ask each other more than 32 deep"),
-        (asks(2), "ask each other more than 32 deep"),
-        ("#!/bin/sh\nexec yes\n".into(), "answers without end"),
-    ] {
-        std::fs::write(place("again.sh"), &script).unwrap();
-        #[cfg(unix)]
-        std::fs::set_permissions(place("again.sh"), std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
-        let world = format!("Procedural \"RunProgram\" [\"{}\" \"x\"] [-1 1 -1 1 -1 1]", place("again.sh"));
-        std::fs::write(
-            place("t.rib"),
-            format!("Display \"t.png\" \"png\" \"rgb\"\n{ORTHO}\nWorldBegin\n{world}\nWorldEnd\n"),
-        )
-        .unwrap();
-        let answer = scree(&["render", &place("t.rib"), "--allow-programs", "-o", &place("")]);
-        assert!(answer.errors().contains(said), "{script}: {}", answer.errors());
-    }
-}
-
-#[test]
 fn what_goes_wrong_is_said() {
     let work = scratch();
     let said = |files: &[(&str, &str)], text: &str| {

@@ -132,6 +132,39 @@ fn jobs_of_chrono_render() {
     assert_eq!(warned("radius: 0.5", "raduis: 0.5", "radius"), [255, 0, 0]);
     assert_eq!(warned("{filename: light.rib}", "{script: {file: a.py}}", "Python"), [255, 0, 0]);
     assert_eq!(warned("name: main,", "name: main, wobble: 3,", "wobble"), [255, 0, 0]);
+    // What is known and changes nothing, too.
+    let rest = "chronorender:\n";
+    for (from, to, said) in [
+        (rest, "chronorender:\n  movie: {framerate: 24}\n", "`movie` has no effect"),
+        (rest, "chronorender:\n  distributed: {nodes: 2}\n", "`distributed` has no effect"),
+        (
+            "name: main,",
+            "name: main, display: {output: a.tif},",
+            "written as PNG, named by the number of the frame, and not as `a.tif`",
+        ),
+        ("name: main,", "name: main, display: {output: a.png, outtype: tiff},", "`outtype` has no effect"),
+        ("name: main,", "name: main, display: {output: a.png, mode: z},", "`mode` has no effect"),
+        ("radius: 0.5", "radius: 0.5, dims: 1 2", "`dims` has no effect"),
+        ("name: ball,", "name: ball, range: 1 2,", "`range` has no effect"),
+    ] {
+        assert_eq!(warned(from, to, said), [255, 0, 0], "{to}");
+    }
+    for key in ["out", "fileformat", "padding", "renderer", "verbosity", "path"] {
+        let job = JOB.replace("rendersettings: {", &format!("rendersettings: {{{key}: a, "));
+        std::fs::write(at("idle.yaml"), job).unwrap();
+        let answer = scree(&["render", at("idle.yaml").to_str().unwrap(), "-o", at("idle").to_str().unwrap()]);
+        assert_eq!(answer.errors().matches(&format!("`{key}` has no effect")).count(), 1, "{}", answer.errors());
+        answer.ok();
+    }
+    // Sizes from the data are asked for by the geometry, or by its object.
+    let sizes = |from: &str, to: &str| {
+        let fields = JOB.replace(from, to).replace("radius: 0.5", "radius: 9");
+        std::fs::write(at("sizes.yaml"), fields).unwrap();
+        let answer = scree(&["render", at("sizes.yaml").to_str().unwrap(), "-o", at("sizes").to_str().unwrap()]);
+        assert!(answer.errors().contains("ep1"), "{}", answer.errors());
+    };
+    sizes("radius: 0.5", "radius: 9, changingparams: true");
+    sizes("name: ball,", "name: ball, changingparams: true,");
     assert_eq!(warned("name: main,", "name: main, script: {file: a.py},", "Python"), [255, 0, 0]);
     assert_eq!(warned("{name: constant.sl}}", "{name: constant.sl, Kq: 5}}", "Kq"), [255, 0, 0]);
     // Attributes of an object: it is there, and not seen.

@@ -148,3 +148,45 @@ fn a_sky_lights_what_faces_it() {
         assert!((found - expected).abs() < 0.02, "{turn}: {found}, expected {expected}");
     }
 }
+
+/// A lamp that lies in the plane of a ceiling: the wall below is lit as by one that hangs a little lower, and nowhere dark.
+#[test]
+fn a_lamp_in_a_ceiling_lights_the_wall_beside_it() {
+    // What shines 1 from y = 1 gives the wall z = 0 the mean of cos α cos β / π r² over it.
+    let expected = |x: f32, y: f32| {
+        const N: usize = 60;
+        let part = |k: usize, from: f32, until: f32| from + (until - from) * (k as f32 + 0.5) / N as f32;
+        let sum: f32 = (0..N * N)
+            .map(|k| {
+                let (dx, dy, dz) = (part(k % N, -0.4, 0.4) - x, 1.0 - y, part(k / N, -0.8, -0.2));
+                let r2 = dx * dx + dy * dy + dz * dz;
+                -dz * dy / (std::f32::consts::PI * r2 * r2)
+            })
+            .sum();
+        sum * 0.8 * 0.6 / (N * N) as f32
+    };
+    for height in [1.0f32, 0.999] {
+        let world = format!(
+            "AttributeBegin Attribute \"visibility\" \"int camera\" 0 Attribute \"light\" \"int nsamples\" 64
+            AreaLightSource \"arealight\" \"lamp\" Sides 1
+            Polygon \"P\" [-.4 {height} -.8 .4 {height} -.8 .4 {height} -.2 -.4 {height} -.2] AttributeEnd
+            Illuminate \"lamp\" 1 Surface \"matte\" \"Ka\" 0 \"Kd\" 1 {WALL}
+            Polygon \"P\" [-2 1 -2 2 1 -2 2 1 0 -2 1 0]"
+        );
+        let p = render("2 2", &world);
+        for (x, y) in (1..79).flat_map(|x| (1..79).map(move |y| (x, y))) {
+            let place = |k: usize| (k as f32 + 0.5) / 40.0 - 1.0;
+            let expected = expected(place(x), -place(y));
+            let found = p.at(x, y)[0];
+            let off = (found - expected).abs();
+            assert!(off < 0.2 * expected + 2e-3, "y {height}, ({x}, {y}): {found}, expected {expected}");
+        }
+        for y in [2..10, 10..30, 30..78] {
+            let rows = y.clone().flat_map(|y| (1..79).map(move |x| (x, y)));
+            let place = |k: usize| (k as f32 + 0.5) / 40.0 - 1.0;
+            let all: f32 = rows.map(|(x, y)| expected(place(x), -place(y))).sum::<f32>() / (78 * y.len()) as f32;
+            let found = mean(&p, 1..79, y.clone(), 0);
+            assert!((found - all).abs() < 0.02 * all, "y {height}, rows {y:?}: {found}, expected {all}");
+        }
+    }
+}

@@ -226,3 +226,56 @@ output: {resolution: [64, 48], samples: [2, 2], format: exr, bits: 16, channels:
     let ids: std::collections::BTreeSet<u32> = layers.channels["id"].iter().map(|id| *id as u32).collect();
     assert!(ids.len() >= 3, "{ids:?}");
 }
+
+/// Numbers of a TIFF file of one strip, little-endian: the values of a tag, or of the pixels.
+struct Tiff(Vec<u8>);
+
+impl Tiff {
+    fn whole(&self, at: usize, bytes: usize) -> usize {
+        self.0[at..at + bytes].iter().rev().fold(0, |n, byte| n << 8 | *byte as usize)
+    }
+
+    fn tag(&self, tag: usize) -> Option<usize> {
+        let first = self.whole(4, 4);
+        let entries = (0..self.whole(first, 2)).map(|k| first + 2 + 12 * k);
+        let found = entries.into_iter().find(|at| self.whole(*at, 2) == tag)?;
+        Some(self.whole(found + 8, if self.whole(found + 2, 2) == 3 { 2 } else { 4 }))
+    }
+}
+
+/// RISpec 4.1.2: depths are floats unless `Quantize "z"` says otherwise, whatever it says of colours; PNG has bytes.
+#[test]
+fn depths_alone_in_a_tiff_file_are_floats() {
+    let depth_at_middle = |quantize: &str, end: &str| {
+        let work = scratch();
+        let path = work.path().join("t.rib");
+        let text = format!(
+            "Display \"t.{end}\" \"file\" \"z\" {quantize}\nFormat 8 8 1 PixelSamples 2 2 PixelFilter \"box\" 1 1\nProjection \"orthographic\" Translate 0 0 5
+            WorldBegin Surface \"constant\" Polygon \"P\" [-1 -1 -4.5 1 -1 -4.5 1 1 -4.5 -1 1 -4.5] WorldEnd\n"
+        );
+        std::fs::write(&path, text).unwrap();
+        scree(&["render", path.to_str().unwrap(), "-o", work.path().to_str().unwrap()]).ok();
+        std::fs::read(work.path().join(format!("t.{end}"))).unwrap()
+    };
+    for (quantize, bits, format, expected) in [
+        ("", 32, Some(3), 0.5f32),
+        ("Quantize \"rgba\" 65535 0 65535 0", 32, Some(3), 0.5),
+        ("Quantize \"z\" 0 0 0 0", 32, Some(3), 0.5),
+        ("Quantize \"z\" 255 0 255 0", 8, Some(1), 128.0),
+        ("Quantize \"z\" 65535 0 65535 0", 16, Some(1), 32768.0),
+        ("Quantize \"rgba\" 0 0 0 0 Quantize \"z\" 200 0 90 0", 8, Some(1), 90.0),
+    ] {
+        let file = Tiff(depth_at_middle(quantize, "tif"));
+        let found = [file.tag(258), file.tag(277)];
+        assert_eq!(found, [Some(bits), Some(1)], "{quantize}");
+        assert_eq!(file.tag(339).or(Some(1)), format, "{quantize}");
+        let at = file.tag(273).unwrap() + 4 * 8 * bits / 8 + 4 * bits / 8;
+        let value = match bits {
+            32 => f32::from_bits(file.whole(at, 4) as u32),
+            bits => file.whole(at, bits / 8) as f32,
+        };
+        assert!((value - expected).abs() <= expected * 1e-5, "{quantize}: {value}, expected {expected}");
+    }
+    let levels = image::load_from_memory(&depth_at_middle("", "png")).unwrap();
+    assert_eq!((levels.color(), levels.to_luma8().get_pixel(4, 4).0), (image::ColorType::L8, [128]));
+}

@@ -84,3 +84,27 @@ fn meshes_in_objects_have_no_seams_under_a_perspective() {
         assert!(seen.iter().all(|(whole, half)| *whole == 1.0 && (half - 0.5).abs() < 1e-5), "{world}");
     }
 }
+
+/// Two meshes of an object in one place are two layers, at the edges of their faces, too; each mesh is one there.
+#[test]
+fn meshes_of_an_object_under_a_perspective_keep_their_edges_apart() {
+    // Half of the light goes through each, to a floor behind them: of two, a quarter.
+    let told = b"surface told() { Ci = transmission(P, P + vector(0, 0, -9)); Oi = 1; }";
+    let mesh = |z: f32| {
+        format!("PointsPolygons [4 4] [0 1 4 3 1 2 5 4] \"P\" [-1 -1 {z} 0 -1 {z} 1 -1 {z} -1 1 {z} 0 1 {z} 1 1 {z}]\n")
+    };
+    let floor = "Polygon \"P\" [-.4 -.4 3 .4 -.4 3 .4 .4 3 -.4 .4 3]";
+    for (meshes, expected) in [(mesh(2.0), 0.5), (mesh(2.0) + &mesh(2.0), 0.25)] {
+        let world = format!(
+            "AttributeBegin Opacity .5 .5 .5 Surface \"constant\" Attribute \"visibility\" \"camera\" [0]
+            ObjectBegin 1 {meshes} ObjectEnd Perspective 90 ObjectInstance 1 AttributeEnd
+            Surface \"told\" {floor}"
+        );
+        let options = ORTHO.replace("PixelSamples 8 8", "PixelSamples 1 1");
+        let p = render_with(&[("told.sl", &told[..])], &options, &world);
+        let inside: Vec<f32> =
+            (26..54).flat_map(|x| (26..54).map(move |y| (x, y))).map(|(x, y)| p.at(x, y)[0]).collect();
+        let off = inside.iter().filter(|found| (**found - expected).abs() > 1e-3).count();
+        assert_eq!(off, 0, "{meshes}: {off} of {} are not {expected}", inside.len());
+    }
+}

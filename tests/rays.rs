@@ -227,6 +227,72 @@ fn textures_in_files_look_as_those_in_memory() {
     assert!(much.pixels == little.pixels && much.pixels.iter().any(|p| p[0] > 0.2));
 }
 
+/// Rounding puts a place of a seam between patches beside all of them.
+#[test]
+fn seams_have_the_normal_of_their_surface() {
+    let shown =
+        b"surface shown() { normal n = normalize(N); Ci = (color(xcomp(n), ycomp(n), zcomp(n)) + 1) / 2; Oi = 1; }";
+    let traces = b"surface traces() { Ci = trace(P, vector(0, 0, 1)); Oi = 1; }";
+    let files: [(&str, &[u8]); 2] = [("shown.sl", shown), ("traces.sl", traces)];
+    // Turned by 30 degrees about the axis: the normal (0, 0, 1) of what lies in z = 0 becomes (0, -1/2, √3/2).
+    let mesh = "Rotate 17 0 0 1 PatchMesh \"bilinear\" 5 \"nonperiodic\" 2 \"nonperiodic\" \"P\" [-2 -2 0 -1 -2 0 0 -2 0 1 -2 0 2 -2 0 -2 2 0 -1 2 0 0 2 0 1 2 0 2 2 0]";
+    for shape in ["Disk 0 3 360", "Rotate 12 0 0 1 Disk 0 3 360", mesh] {
+        let world = format!(
+            "AttributeBegin Surface \"shown\" Translate 0 0 1 Rotate 30 1 0 0 {shape} AttributeEnd
+            Surface \"traces\" Polygon \"P\" [-.8 -.8 0 .8 -.8 0 .8 .8 0 -.8 .8 0]"
+        );
+        let p = render_with(&files, &ORTHO.replace("8 8", "1 1"), &world);
+        for (x, y) in (10..70).flat_map(|x| (10..70).map(move |y| (x, y))) {
+            let found = [0, 1, 2].map(|c| 2.0 * p.at(x, y)[c] - 1.0);
+            let expected = [0.0, -0.5, 0.75f32.sqrt()];
+            let is_near = found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3);
+            assert!(is_near, "{shape} ({x}, {y}): {found:?}, expected {expected:?}");
+        }
+    }
+}
+
+/// RISpec 15.7.1: the fill value is that of channels that a map has not.
+#[test]
+fn channels_that_a_map_has_not_are_filled() {
+    let png = |image: image::DynamicImage| {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+        bytes.into_inner()
+    };
+    let grey = png(image::GrayImage::from_pixel(4, 4, image::Luma([51])).into());
+    let covered = png(image::GrayAlphaImage::from_pixel(4, 4, image::LumaA([51, 102])).into());
+    let colour = png(image::RgbImage::from_pixel(4, 4, image::Rgb([51, 102, 153])).into());
+    let whole = png(image::RgbaImage::from_pixel(4, 4, image::Rgba([51, 102, 153, 204])).into());
+    let files = [("g.png", &grey), ("ga.png", &covered), ("rgb.png", &colour), ("rgba.png", &whole)];
+    for (name, channels) in [
+        ("g.png", [0.2, 0.3, 0.3, 0.3, 0.3]),
+        ("ga.png", [0.2, 0.4, 0.3, 0.3, 0.3]),
+        ("rgb.png", [0.2, 0.4, 0.6, 0.3, 0.3]),
+        ("rgba.png", [0.2, 0.4, 0.6, 0.8, 0.3]),
+    ] {
+        for (k, expected) in channels.into_iter().enumerate() {
+            let shader = format!(
+                "surface map() {{ Ci = color(float texture(\"{name}\"[{k}], .5, .5, \"fill\", .3), float texture(\"{name}\"[{k}], .5, .5), 0); Oi = 1; }}"
+            );
+            let all: Vec<(&str, &[u8])> =
+                files.iter().map(|(name, bytes)| (*name, &bytes[..])).chain([("map.sl", shader.as_bytes())]).collect();
+            let p = render_with(&all, &ORTHO.replace("8 8", "1 1"), "Surface \"map\" Disk 0 .8 360");
+            let [filled, empty, ..] = p.at(40, 40);
+            let is_there = expected != 0.3;
+            assert!((filled - expected).abs() < 1e-5, "{name}[{k}]: {filled}, expected {expected}");
+            assert!((empty - if is_there { expected } else { 0.0 }).abs() < 1e-5, "{name}[{k}]: {empty}");
+        }
+    }
+    // A colour of one channel is grey.
+    let shader = b"surface map() { Ci = color texture(\"g.png\", .5, .5); Oi = 1; }";
+    let p = render_with(
+        &[("map.sl", shader), ("g.png", &grey)],
+        &ORTHO.replace("8 8", "1 1"),
+        "Surface \"map\" Disk 0 .8 360",
+    );
+    assert!(p.at(40, 40)[..3].iter().all(|c| (c - 0.2).abs() < 1e-5), "{:?}", p.at(40, 40));
+}
+
 /// What lies close behind another primitive is met by a ray that passes this, however small it is in pixels.
 #[test]
 fn a_ray_meets_what_is_close_behind_another_primitive() {
@@ -244,6 +310,35 @@ fn a_ray_meets_what_is_close_behind_another_primitive() {
 }
 
 /// A `gather` sends as many rays as it is asked for.
+/// A tenth of these pixels is 0.0125.
+#[test]
+fn a_ray_from_a_polygon_meets_what_is_nearer_than_a_part_of_a_pixel() {
+    let options = "Format 16 16 1 PixelSamples 2 2 PixelFilter \"box\" 1 1 Projection \"orthographic\" Translate 0 0 5";
+    let traces = b"surface traces(vector way = 0;) { Ci = trace(P, way); Oi = 1; }";
+    let bump = b"displacement bump() { P += vector(0, 0, 0.0005); }";
+    let back = "Translate 0 0 9 Disk 0 99 360";
+    for h in [0.0005f32, 0.003, 0.0124, 0.02] {
+        for (way, near) in [
+            ("0 0 1", format!("Color 1 0 0 Translate 0 0 {h} Disk 0 9 360")),
+            ("0.6 0 0.8", format!("Color 1 0 0 Translate 0 0 {h} Disk 0 9 360")),
+            ("0 0.995 0.1", format!("Color 1 0 0 Translate 0 0 {h} Disk 0 9 360")),
+            ("0 0 1", format!("Color 1 0 0 Translate 0 0 {} Sphere 4 -4 4 360", h + 4.0)),
+            ("0 0 1", format!("Displacement \"bump\" Color 1 0 0 Translate 0 0 {h} Disk 0 9 360")),
+            // What is seen through a half of it.
+            ("0 0 1", format!("Color 2 0 0 Opacity .5 .5 .5 Translate 0 0 {h} Disk 0 9 360")),
+        ] {
+            let world = format!(
+                "AttributeBegin Surface \"constant\" Color 0 0 0 {back} AttributeEnd
+                AttributeBegin Surface \"constant\" Attribute \"visibility\" \"camera\" [0] {near} AttributeEnd
+                Surface \"traces\" \"vector way\" [{way}] Polygon \"P\" [-.8 -.8 0 .8 -.8 0 .8 .8 0 -.8 .8 0]"
+            );
+            let files: [(&str, &[u8]); 2] = [("traces.sl", traces), ("bump.sl", bump)];
+            let [r, g, ..] = render_with(&files, options, &world).at(8, 8);
+            assert!((r - 1.0).abs() < 1e-4 && g == 0.0, "{h}, {way}, {near}: {r} {g}");
+        }
+    }
+}
+
 #[test]
 fn many_rays_are_gathered() {
     let shader = b"surface many() { float n = 0; gather(\"\", P, normalize(I), 0.1, 5000) { n += 1; } else { n += 1; } Oi = 1; Ci = n / 5000; }";

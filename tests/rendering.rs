@@ -93,6 +93,41 @@ fn a_half_plane_covers_half_through_every_filter() {
     }
 }
 
+/// RISpec appendix E: of r = √(x² + y²), within the rectangle of the widths.
+#[test]
+fn catmull_rom_is_a_filter_of_the_distance() {
+    let cubic = |r: f64| match r {
+        r if r < 1.0 => 1.5 * r * r * r - 2.5 * r * r + 1.0,
+        r if r < 2.0 => -0.5 * r * r * r + 2.5 * r * r - 4.0 * r + 2.0,
+        _ => 0.0,
+    };
+    // What is right of an edge: the filter's sum there by that of the whole, with steps of 1/100 pixel.
+    let beyond = |edge: f64, [width, height]: [i32; 2]| {
+        let (mut sum, mut all) = (0.0, 0.0);
+        for i in -50 * width..50 * width {
+            for j in -50 * height..50 * height {
+                let [x, y] = [i, j].map(|k| (k as f64 + 0.5) / 100.0);
+                let value = cubic(x.hypot(y));
+                all += value;
+                sum += if x > edge { value } else { 0.0 };
+            }
+        }
+        (sum / all) as f32
+    };
+    for widths in [[4, 4], [2, 2], [3, 4]] {
+        let [width, height] = widths;
+        let options = format!(
+            "Format 32 32 1 PixelSamples 32 32 PixelFilter \"catmull-rom\" {width} {height} Projection \"orthographic\" Translate 0 0 5"
+        );
+        let p = render(&options, "Surface \"constant\" Polygon \"P\" [0 -2 0 4 -2 0 4 2 0 0 2 0]");
+        for x in 12..20 {
+            let expected = beyond(15.5 - x as f64, widths);
+            let found = p.at(x, 16)[0];
+            assert!((found - expected).abs() < 4e-3, "{widths:?}, column {x}: {found}, expected {expected}");
+        }
+    }
+}
+
 #[test]
 fn a_plane_that_reaches_far_behind_the_eye_is_split_in_depth() {
     // Halves of 5,000 units before and behind the eye meet in its plane, where rounding leaves them as near to it as they like.

@@ -249,6 +249,7 @@ fn images_that_textures_are_made_of_are_looked_for() {
         std::fs::create_dir(work.path().join("maps")).unwrap();
         square.save(work.path().join("there.png")).unwrap();
         square.save(work.path().join("maps/other.png")).unwrap();
+        std::fs::write(work.path().join("bad.png"), "no image").unwrap();
         let path = work.path().join("t.rib");
         let world = "WorldBegin\nDisk 0 .8 360\nWorldEnd\n";
         std::fs::write(&path, format!("{head}{request}\n{world}Display \"u.png\" \"png\" \"rgb\"\n{world}")).unwrap();
@@ -271,6 +272,13 @@ fn images_that_textures_are_made_of_are_looked_for() {
     }
     let there = "MakeTexture \"there.png\" \"a\" \"black\" \"black\" \"box\" 1 1";
     let other = "MakeLatLongEnvironment \"other.png\" \"b\" \"box\" 1 1\nOption \"searchpath\" \"texture\" \"maps\"";
+    for (request, name) in
+        [("MakeTexture \"bad.png\" \"a\" \"black\" \"black\" \"box\" 1 1".to_string(), "a"), (faces("bad.png"), "cube")]
+    {
+        let errors = made(&request);
+        let said = format!("t.rib:3:1: texture `{name}` cannot be read and is black: `");
+        assert_eq!(errors.matches(&said).count(), 1, "{request}: {errors}");
+    }
     for request in [there, &faces("there.png"), other] {
         let errors = made(request);
         assert!(!errors.contains("warning"), "{request}: {errors}");
@@ -304,4 +312,117 @@ fn uniform_variables_have_a_value_for_each_face() {
         assert!(errors.contains("`Cs` has too few values: 1 of class uniform"), "{shape}: {errors}");
         assert!(errors.contains("t.rib:4:"), "{shape}: {errors}");
     }
+}
+
+/// Numbers that nothing takes: a list that is longer than its primitive is one of another primitive, or a class that was mistaken.
+#[test]
+fn values_beyond_those_of_a_primitive_are_said_with_their_place() {
+    let mesh = "[4 4] [0 1 4 3 1 2 5 4]";
+    let six = "\"P\" [-1 -1 0 0 -1 0 1 -1 0 -1 1 0 0 1 0 1 1 0]";
+    let four = "\"P\" [-1 -1 0 1 -1 0 -1 1 0 1 1 0]";
+    let square = "\"P\" [-1 -1 0 1 -1 0 1 1 0 -1 1 0]";
+    let weighted = "\"Pw\" [-1 -1 0 1 1 -1 0 1 -2 2 0 2 1 1 0 1]";
+    let curves = "Curves \"linear\" [2 2] \"nonperiodic\" \"P\" [-1 1 0 1 1 0 -1 -1 0 1 -1 0] \"constantwidth\" [0.4]";
+    let points_mesh = format!("PointsPolygons {mesh} {six}");
+    let subdivided = format!("SubdivisionMesh \"catmull-clark\" {mesh} [\"interpolateboundary\"] [0 0] [] [] {six}");
+    let patches = format!("PatchMesh \"bilinear\" 3 \"nonperiodic\" 2 \"nonperiodic\" {six}");
+    let rational = format!("PatchMesh \"bilinear\" 2 \"nonperiodic\" 2 \"nonperiodic\" {weighted}");
+    let nurbs = "NuPatch 3 2 [0 0 1 2 2] 0 2 2 2 [0 0 1 1] 0 1 \"P\" [-1 -1 0 0 -1 0 1 -1 0 -1 1 0 0 1 0 1 1 0]";
+    let blobby = "Blobby 1 [1001 0] [1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1] [\"\"]";
+    // Of each primitive, the values that it takes of each class.
+    for (shape, classes) in [
+        (format!("Polygon {square}"), &[("uniform", 1), ("varying", 4), ("vertex", 4), ("facevarying", 4)][..]),
+        (format!("GeneralPolygon [4] {square}"), &[("uniform", 1), ("vertex", 4), ("facevarying", 4)]),
+        (points_mesh.clone(), &[("uniform", 2), ("varying", 6), ("vertex", 6), ("facevarying", 8)]),
+        (
+            format!("PointsGeneralPolygons [1 1] {mesh} {six}"),
+            &[("uniform", 2), ("varying", 6), ("vertex", 6), ("facevarying", 8)],
+        ),
+        (subdivided.clone(), &[("uniform", 2), ("varying", 6), ("vertex", 6), ("facevarying", 8)]),
+        (patches, &[("uniform", 2), ("varying", 6), ("vertex", 6), ("facevarying", 8)]),
+        (rational, &[("uniform", 1), ("varying", 4), ("vertex", 4), ("facevarying", 4)]),
+        (format!("Patch \"bilinear\" {four}"), &[("uniform", 1), ("varying", 4), ("vertex", 4), ("facevarying", 4)]),
+        (curves.into(), &[("uniform", 2), ("varying", 4), ("vertex", 4)]),
+        ("Sphere .5 -.5 .5 360".into(), &[("uniform", 1)]),
+        ("Disk 0 .5 360".into(), &[("uniform", 1)]),
+        (blobby.into(), &[("uniform", 1)]),
+        ("Geometry \"teapot\"".into(), &[("uniform", 1)]),
+    ] {
+        for (class, n) in classes {
+            let errors_of = |n: usize| {
+                let values = "0.5 ".repeat(n);
+                let world = format!("{shape} \"{class} float Kd\" [{values}]");
+                let errors = said(&[], &head_and(&world)).errors().to_string();
+                errors.lines().filter(|line| line.contains("Kd")).collect::<Vec<_>>().join("\n")
+            };
+            assert_eq!(errors_of(*n), "", "{shape} {class}");
+            let expected = format!(
+                "t.rib:4:1: `Kd` of class {class} has {} values, expected {n}: those beyond are not used",
+                n + 1
+            );
+            let errors = errors_of(n + 1);
+            assert!(errors.contains(&expected), "{shape}: {errors}, expected {expected}");
+        }
+    }
+    for (world, expected) in [
+        (
+            format!("{points_mesh} \"uniform normal Np\" [0 0 1 0 0 1 0 0 1]"),
+            "`Np` of class uniform has 3 values, expected 2",
+        ),
+        (
+            format!("{nurbs} \"uniform float Kd\" [1]"),
+            "`Kd` of class uniform has one value, expected 2, one a span: it is that of all",
+        ),
+        (points_mesh.replace("5 4]", "5 4 2 1]"), "the vertex list has 10 numbers, and the faces have 8 vertices"),
+        (subdivided.replace("5 4]", "5 4 2 1]"), "the vertex list has 10 numbers, and the faces have 8 vertices"),
+        (
+            format!("GeneralPolygon [3] {square}"),
+            "the loops have 3 vertices, and \"P\" has 4: those beyond are not used",
+        ),
+        (curves.replace("[2 2]", "[3]"), "\"P\" has 4 points, and the curves 3 vertices: those beyond are not used"),
+        (
+            "Geometry \"teapot\" \"varying float Kd\" [1 2 3 4]".into(),
+            "`Kd` of class varying has no effect on a teapot",
+        ),
+    ] {
+        let errors = said(&[], &head_and(&world)).errors().to_string();
+        assert!(errors.contains(&format!("t.rib:4:1: {expected}")), "{world}: {errors}");
+    }
+}
+
+/// A scene whose world begins in its fourth line.
+fn head_and(world: &str) -> String {
+    format!(
+        "Display \"t.png\" \"png\" \"rgb\" Surface \"matte\"\nFormat 8 8 1 Translate 0 0 5\nWorldBegin\n{world}\nWorldEnd\n"
+    )
+}
+
+/// A comment that is meant for scree, and that nobody knows: in a scene that is rendered by itself and in an archive within it.
+#[test]
+fn directives_that_nobody_knows_are_errors() {
+    let head = "Display \"t.png\" \"png\" \"rgb\"\nFormat 8 8 1\n";
+    let world = "WorldBegin\nSphere 1 -1 1 360\nWorldEnd\n";
+    let archive = |directive: &str| {
+        format!("{head}ArchiveBegin \"a\"\n{directive}\nArchiveEnd\nWorldBegin\nReadArchive \"a\"\nWorldEnd\n")
+    };
+    for (text, place) in [
+        (format!("{head}#scree nonsense\n{world}"), "t.rib:3:1"),
+        (archive("#scree nonsense"), "t.rib:4:1"),
+        (format!("{head}#scree inject nonsense\n{world}"), "t.rib:3:1"),
+        (format!("{head}#scree override nonsense\n{world}"), "t.rib:3:1"),
+        (format!("{head}#scree ground nonsense\n{world}"), "t.rib:3:1"),
+    ] {
+        let work = scratch();
+        let path = work.path().join("t.rib");
+        std::fs::write(&path, &text).unwrap();
+        for command in ["render", "check"] {
+            let errors = scree(&[command, path.to_str().unwrap()]).fails(3);
+            assert!(errors.contains(place) && errors.contains("nonsense` is unknown, expected"), "{text}: {errors}");
+        }
+    }
+    let known = format!("{head}#scree override Format\n#scree ground\n#scree inject objects\n{world}");
+    let answer = said(&[], &known);
+    let errors = answer.errors().to_string();
+    assert!(errors.contains("t.rib:5:1: `#scree inject objects` has no effect"), "{errors}");
+    answer.ok();
 }

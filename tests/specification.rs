@@ -268,6 +268,11 @@ fn what_is_given_in_vain_is_said() {
             "Surface \"matte\" Disk 0 0.5 360 \"uniform color Ka\" [1 0 0]".into(),
         ),
         ("the screen window's width is 0, expected another number than 0", "ScreenWindow -1 -1 0 1", String::new()),
+        (
+            "the depths of `d.tif` are levels from 0 to 1",
+            "Display \"d.tif\" \"tiff\" \"z\" Quantize \"z\" 255 0 255 0",
+            String::new(),
+        ),
         ("the depths of `d.png` are levels from 0 to 1", "Display \"d.png\" \"png\" \"z\"", String::new()),
     ] {
         let answer = said(&[], options, &world);

@@ -34,6 +34,9 @@ pub struct ImageArgs {
     /// Run every program that a scene asks for.
     #[arg(long, conflicts_with = "allow_program")]
     pub allow_programs: bool,
+    /// Seconds that such a program has for an answer [default: 60].
+    #[arg(long, value_name = "SECONDS", value_parser = whole::<u32>(1..=86_400))]
+    pub program_seconds: Option<u32>,
 }
 
 /// Image quality, as it is written.

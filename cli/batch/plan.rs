@@ -64,6 +64,8 @@ pub struct ImageChoices {
     pub allow_program: Vec<String>,
     /// Whether they may run any.
     pub allow_programs: bool,
+    /// Seconds that they have for an answer.
+    pub program_seconds: Option<u32>,
     /// Whether displays may be written outside of the folder.
     pub allow_outside: bool,
 }

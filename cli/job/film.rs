@@ -389,6 +389,7 @@ fn images_of_data(
         samples: choices.samples,
         allow_program: choices.allow_program.clone(),
         allow_programs: choices.allow_programs,
+        program_seconds: choices.program_seconds,
         allow_outside: choices.allow_outside,
     };
     let mut job = ImageJob::resolve(binding, source, folder, &ImageOptions::check(args, false)?)?;

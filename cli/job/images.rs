@@ -13,6 +13,7 @@ use frame::Frame;
 use frame::list::FrameList;
 use render::ri::files::{Files, Permission, resolve};
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// Choices of the command line for the images of a job.
 #[derive(Clone, Debug, Default)]
@@ -29,6 +30,8 @@ pub struct ImageOptions {
     pub redraw: bool,
     /// Programs that scenes may run.
     pub programs: Permission,
+    /// How long they have for an answer.
+    pub program_time: Option<Duration>,
     /// Whether displays of scenes may be written outside of the output folder.
     pub allow_outside: bool,
     /// The choices, as plans and ledgers keep them.
@@ -38,11 +41,27 @@ pub struct ImageOptions {
 impl ImageOptions {
     /// Check the arguments: find the programs that are allowed. Images that are up to date are kept unless `redraw` is set.
     pub fn check(args: ImageArgs, redraw: bool) -> Outcome<ImageOptions> {
-        let ImageArgs { frames, res, image_quality: quality, samples, allow_program, allow_programs, allow_outside } =
-            args;
+        let ImageArgs {
+            frames,
+            res,
+            image_quality: quality,
+            samples,
+            allow_program,
+            allow_programs,
+            program_seconds,
+            allow_outside,
+        } = args;
         let quality = quality.map(Quality::from);
-        let choices =
-            ImageChoices { res, quality, samples, allow_program: allow_program.clone(), allow_programs, allow_outside };
+        let choices = ImageChoices {
+            res,
+            quality,
+            samples,
+            allow_program: allow_program.clone(),
+            allow_programs,
+            program_seconds,
+            allow_outside,
+        };
+        let program_time = program_seconds.map(|s| Duration::from_secs(s.into()));
         let find = |name: &String| {
             let missing = || Failure::new(Exit::Usage, format!("--allow-program {name}: there is no such program"));
             resolve(name).ok_or_else(missing)
@@ -52,7 +71,17 @@ impl ImageOptions {
             (false, true) => Permission::None,
             (false, false) => Permission::Named(allow_program.iter().map(find).collect::<Outcome<_>>()?),
         };
-        Ok(ImageOptions { frames, resolution: res, quality, samples, redraw, programs, allow_outside, choices })
+        Ok(ImageOptions {
+            frames,
+            resolution: res,
+            quality,
+            samples,
+            redraw,
+            programs,
+            program_time,
+            allow_outside,
+            choices,
+        })
     }
 }
 
@@ -100,7 +129,8 @@ impl ImageJob {
             spare_link(&Ledger::of(&folder).folder(), &folder)?;
         }
         let frames = frames(&binding, &source, options)?;
-        let files = Files { programs: options.programs.clone(), ..library::files(&binding.folder()) };
+        let (programs, program_time) = (options.programs.clone(), options.program_time);
+        let files = Files { programs, program_time, ..library::files(&binding.folder()) };
         let files = binding.files(files);
         binding.check_columns(&first_readable(&source, &frames)?)?;
         source::check_library(&binding)?;

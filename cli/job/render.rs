@@ -141,8 +141,8 @@ fn scene(args: RenderArgs) -> Outcome<RenderScene> {
     let on = DrawOn::check(args.backend, args.adapter)?;
     let gpu_memory = on.memory(args.gpu_memory)?;
     let rib = frame::read_bytes(FaultKind::Input, &args.input)?;
-    let ImageOptions { programs, allow_outside, .. } = ImageOptions::check(args.image, true)?;
-    let files = Files { programs, ..library::files(args.input.parent().unwrap_or(Path::new("."))) };
+    let ImageOptions { programs, program_time, allow_outside, .. } = ImageOptions::check(args.image, true)?;
+    let files = Files { programs, program_time, ..library::files(args.input.parent().unwrap_or(Path::new("."))) };
     let statistics = Statistics { print: args.verbose, write: args.stats };
     let folder = args.output.unwrap_or_else(|| PathBuf::from("."));
     Ok(RenderScene {

@@ -14,5 +14,5 @@ fuzz_target!(|bytes: &[u8]| {
     let files = Files::default().with(&[surface]);
     let mut context = render::Context::new(files.clone()).expect("a context");
     context.dry = true;
-    let _ = render::ri::reader::read(Path::new("fuzz.rib"), bytes, &files, &mut context, &mut |_, _| Ok(()));
+    let _ = render::ri::reader::read(Path::new("fuzz.rib"), bytes, &files, &mut context, &mut |_, _| Ok(None));
 });

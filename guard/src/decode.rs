@@ -11,18 +11,29 @@ const LARGEST: u64 = 4 << 30;
 /// Read an image file of any kind that is known by its content. An error, as text, if it cannot be read or may not be, or if it would
 /// take more than a quarter of the memory that is left.
 pub fn read_image(path: &Path) -> Result<DynamicImage, String> {
-    let mut file = BufReader::new(files::open(path).map_err(|e| e.to_string())?);
     let room = (memory::room() / 4).min(LARGEST);
-    check_tiles(&mut file, room)?;
-    let mut reader = ImageReader::new(file).with_guessed_format().map_err(|e| e.to_string())?;
-    // The decoder is there for the sake of the encoder of reports; what reads images of others stays as small as it is.
-    if reader.format() == Some(ImageFormat::Jpeg) {
-        return Err("is a JPEG image, which is not read: expected PNG, TIFF or EXR".into());
-    }
+    let mut reader = reader_of(path, room)?;
     let mut limits = Limits::default();
     limits.max_alloc = Some(room);
     reader.limits(limits);
     reader.decode().map_err(|e| e.to_string())
+}
+
+/// A reader of an image file whose tiles find room.
+fn reader_of(path: &Path, room: u64) -> Result<ImageReader<BufReader<std::fs::File>>, String> {
+    let mut file = BufReader::new(files::open(path).map_err(|e| e.to_string())?);
+    check_tiles(&mut file, room)?;
+    let reader = ImageReader::new(file).with_guessed_format().map_err(|e| e.to_string())?;
+    // The decoder is there for the sake of the encoder of reports; what reads images of others stays as small as it is.
+    if reader.format() == Some(ImageFormat::Jpeg) {
+        return Err("is a JPEG image, which is not read: expected PNG, TIFF or EXR".into());
+    }
+    Ok(reader)
+}
+
+/// Check that an image file begins as one of any kind that is read: its header, and none of its pixels. An error as [`read_image`]'s.
+pub fn check_image(path: &Path) -> Result<(), String> {
+    reader_of(path, (memory::room() / 4).min(LARGEST))?.into_dimensions().map(|_| ()).map_err(|e| e.to_string())
 }
 
 /// Check the tiles of an EXR file: the decoder takes memory for whole ones, however small the image is.

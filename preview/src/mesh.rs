@@ -35,7 +35,7 @@ impl Triangles {
             }
         } else {
             let (path, text) = files.read(file, &["scenes"])?;
-            reader::read(&path, text.as_bytes(), files, &mut all, &mut |_, _| Ok(())).map_err(|e| e.to_string())?;
+            reader::read(&path, text.as_bytes(), files, &mut all, &mut |_, _| Ok(None)).map_err(|e| e.to_string())?;
         }
         if all.triangles.is_empty() { Err(format!("{file} has no polygons")) } else { Ok(all) }
     }

@@ -89,7 +89,7 @@ fn rib(bench: &mut Criterion) {
 }
 
 fn read(bytes: &[u8], ri: &mut dyn Ri) {
-    reader::read(Path::new("bench.rib"), bytes, &Files::default(), ri, &mut |_, _| Ok(())).expect("a sound stream");
+    reader::read(Path::new("bench.rib"), bytes, &Files::default(), ri, &mut |_, _| Ok(None)).expect("a sound stream");
 }
 
 fn shaders(bench: &mut Criterion) {

@@ -5,6 +5,7 @@ pub mod blobbies;
 pub mod blobby_call;
 pub mod calls;
 pub mod copies;
+pub mod curves;
 pub mod geometry;
 pub mod motion_block;
 pub mod moving;

@@ -60,6 +60,8 @@ pub type Made = HashMap<String, Source>;
 pub struct TextureLevels<'a> {
     pub levels: &'a Levels,
     pub wrap: [u32; 2],
+    /// Channels of its file.
+    pub channels: u32,
 }
 
 /// A texture as it is looked up.
@@ -108,6 +110,12 @@ impl Source {
     /// The first of its images that there is no file of.
     pub fn missing(&self, folders: &[PathBuf]) -> Option<&Path> {
         self.paths().iter().find(|path| find(path, folders).is_none()).map(PathBuf::as_path)
+    }
+
+    /// The first of its images whose file does not begin as one, and why.
+    pub fn unreadable(&self, folders: &[PathBuf]) -> Option<(PathBuf, String)> {
+        let found = self.paths().iter().filter_map(|path| find(path, folders));
+        found.filter_map(|path| guard::check_image(&path).err().map(|why| (path, why))).next()
     }
 }
 
@@ -221,7 +229,11 @@ impl Textures {
     ) -> Option<R> {
         let map = self.get(name).map_err(|why| warnings.add(why)).ok()?;
         fn of(texture: &Texture) -> TextureLevels<'_> {
-            TextureLevels { levels: &texture.levels, wrap: texture.wrap.map(|w| w as u32) }
+            TextureLevels {
+                levels: &texture.levels,
+                wrap: texture.wrap.map(|w| w as u32),
+                channels: texture.channels.into(),
+            }
         }
         Some(match &*map {
             Map::Image(texture) => visit(&[of(texture)], 0.0),
@@ -270,7 +282,7 @@ impl Textures {
         };
         let mut value = texture.filtered(at, change.map(|c| c.map(|d| d * q.width)), q.blur);
         if q.channel > 0 {
-            value = [0, 1, 2, 3].map(|k| value.get(k + q.channel).copied().unwrap_or(q.fill));
+            value = [0, 1, 2, 3].map(|k| texture.channel(&value, k + q.channel).unwrap_or(q.fill));
         }
         value
     }
@@ -379,6 +391,12 @@ impl Texture {
         };
         let levels = Levels::new(w, h, texels, room, cache).map_err(|e| format!("no room for its tiles: {e}"))?;
         Ok(Texture { levels, wrap, channels })
+    }
+
+    /// A channel of its file, of four that are red, green, blue and coverage.
+    fn channel(&self, [r, g, b, a]: &[f32; 4], k: usize) -> Option<f32> {
+        let all = if self.channels == 2 { [*r, *a, 0.0, 0.0] } else { [*r, *g, *b, *a] };
+        all[..usize::from(self.channels).min(4)].get(k).copied()
     }
 
     /// The mean about a place over the ellipse that the change to the next points spans, wider by a blur, all as parts of the image:

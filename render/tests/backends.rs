@@ -48,7 +48,7 @@ fn drawn(
     let files = Files { folders: [folder.into()].into_iter().chain(library).collect(), ..Files::default() };
     let mut context = Context::new(files.clone()).map_err(|e| e.to_string())?;
     (context.device, context.keep_ids, context.shard) = (device, true, shard);
-    reader::read(Path::new("t.rib"), rib.as_bytes(), &files, &mut context, &mut |_, _| Ok(()))
+    reader::read(Path::new("t.rib"), rib.as_bytes(), &files, &mut context, &mut |_, _| Ok(None))
         .map_err(|e| e.to_string())?;
     Ok(context.results.pop())
 }

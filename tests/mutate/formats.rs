@@ -87,7 +87,7 @@ const SURFACE: (&str, &str) = ("shaders/surface/defaultsurface.sl", "surface def
 fn rib(_: &Path, text: &[u8]) -> bool {
     let mut context = Context::new(Files::default().with(&[SURFACE])).expect("a context");
     context.dry = true;
-    reader::read(Path::new("m.rib"), text, &Files::default(), &mut context, &mut |_, _| Ok(())).is_ok()
+    reader::read(Path::new("m.rib"), text, &Files::default(), &mut context, &mut |_, _| Ok(None)).is_ok()
 }
 
 fn sl(_: &Path, text: &[u8]) -> bool {
@@ -366,7 +366,7 @@ fn image(path: &Path) -> bool {
     let scene = path.with_file_name(format!("image_{ending}.rib"));
     let rib = std::fs::read(&scene).expect("the scene");
     let mut context = Context::new(files.clone()).expect("a context");
-    let is_read = reader::read(&scene, &rib, &files, &mut context, &mut |_, _| Ok(())).is_ok();
+    let is_read = reader::read(&scene, &rib, &files, &mut context, &mut |_, _| Ok(None)).is_ok();
     let warned = context.results.iter().any(|image| !image.warnings.is_empty());
     is_terrain && is_read && !warned
 }

@@ -17,6 +17,7 @@
 mod archive;
 mod arrows;
 mod camera;
+mod directive;
 mod group;
 mod instances;
 mod keys;
@@ -29,6 +30,8 @@ mod trails;
 use crate::binding::{Binding, Camera, Color, ImageFormat, Object, Output, Quality, Shape};
 use crate::moment::Moment;
 pub use camera::Stand;
+pub use directive::take_alone;
+use directive::{OVERRIDES, unknown};
 use frame::{Fault, Frame};
 pub use group::Group;
 pub use instances::Prepared;
@@ -56,9 +59,6 @@ impl From<Fault> for EmitError {
 /// How much larger micropolygons of planes are than others.
 const SLANT: f32 = 3.0;
 
-/// What is left of settings that no directive has placed yet.
-const OVERRIDES: [&str; 5] = ["Format", "Display", "PixelSamples", "PixelFilter", "ShadingRate"];
-
 /// Emit a frame to `ri`: read the binding's scene through the search path `files`, and make the calls of its directives. `image` is
 /// the path of the image file. Returns the values that the rows lack. An error if the scene lacks a directive that the binding needs,
 /// if a column is missing, or if a RIB file is bad.
@@ -84,7 +84,7 @@ pub fn frame(
     set_quality(&binding.output, ri).map_err(|f| binding.doc.fault("output.quality", f.message))?;
     let done = reader::read(&path, text.as_bytes(), files, ri, &mut |ri, directive| {
         let mut words = directive.split_whitespace();
-        match (words.next(), words.next()) {
+        let done = match (words.next(), words.next()) {
             (Some("inject"), Some("camera")) => camera::inject(binding, frame.number, stand, files, ri),
             (Some("inject"), Some("lights")) => inject_lights(binding, files, ri),
             (Some("inject"), Some("objects")) => {
@@ -97,18 +97,9 @@ pub fn frame(
             (Some("override"), Some(what)) if OVERRIDES.contains(&what) => {
                 override_setting(what, &binding.output, image, ri)
             }
-            (Some("override"), what) => Err(Fail::new(format!(
-                "`#scree override {}` is unknown, expected one of {}",
-                what.unwrap_or(""),
-                OVERRIDES.join(", ")
-            ))),
             (Some("inject"), Some("floor")) => inject_floor(binding, stand, ri),
             (Some("inject"), Some("pebbles")) => pebbles::inject(binding, &prepared, stand, has_own_ground, ri),
             (Some("inject"), Some("levels")) => inject_levels(&binding.output, ri),
-            (Some("inject"), what) => Err(Fail::new(format!(
-                "`#scree inject {}` is unknown, expected camera, lights, objects, floor, pebbles or levels",
-                what.unwrap_or("")
-            ))),
             (Some("ground"), None) => match binding.ground_height {
                 None | Some(0.0) => Ok(()),
                 Some(z) => ri.translate([0.0, 0.0, z]),
@@ -116,10 +107,9 @@ pub fn frame(
             (Some("floor"), None) => lower_floor(binding.ground_height.unwrap_or(0.0), stand, ri),
             (Some("unit"), None) => ri.scale([camera::unit(binding, &[5.0, 2.0, 1.0], 0.9); 3]),
             (Some("decade"), None) => ri.scale([camera::unit(binding, &[1.0], 1.0); 3]),
-            _ => Err(Fail::new(format!(
-                "`#scree {directive}` is unknown, expected `inject`, `override`, `ground`, `floor`, `unit` or `decade`"
-            ))),
-        }
+            _ => Err(unknown(directive)),
+        };
+        done.map(|()| None)
     });
     done.map_err(|e| EmitError::Rib(e, binding.doc.path.clone()))?;
     if !drawn {

@@ -2,6 +2,7 @@
 
 pub use crate::programs::{Permission, resolve};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Text that is UTF-8, or else Latin-1.
 pub(crate) fn text_of(bytes: Vec<u8>) -> String {
@@ -25,6 +26,8 @@ pub struct Files {
     pub built_in: Vec<(&'static str, &'static str)>,
     /// Programs that the files may run.
     pub programs: Permission,
+    /// How long a program may take for an answer, if not as long as usual.
+    pub program_time: Option<Duration>,
 }
 
 impl Files {

@@ -5,12 +5,14 @@
 use std::collections::HashMap;
 use std::io::{BufReader, Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::mpsc::{Receiver, channel};
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::Duration;
 
-/// How long an answer may take.
-const PATIENCE: Duration = Duration::from_secs(120);
+/// How long an answer may take if nothing else is said.
+pub const PATIENCE: Duration = Duration::from_secs(60);
+/// How long an answer takes before it is said what is waited for.
+const LONG: Duration = Duration::from_secs(5);
 /// Maximum length of an answer, bytes; less where reading may not take as much.
 const MAX_ANSWER: usize = 1 << 28;
 
@@ -66,7 +68,7 @@ impl Permission {
 
 struct Running {
     child: Child,
-    stdin: ChildStdin,
+    requests: Sender<String>,
     answers: Receiver<Result<Vec<u8>, String>>,
 }
 
@@ -76,19 +78,33 @@ pub struct Programs(HashMap<String, Running>);
 
 impl Programs {
     /// Ask a program at `path`, given with its arguments on one line.
-    pub fn ask(&mut self, path: &Path, program: &str, detail: f32, request: &str) -> Result<Vec<u8>, String> {
+    pub fn ask(
+        &mut self,
+        path: &Path,
+        program: &str,
+        (detail, request): (f32, &str),
+        patience: Duration,
+    ) -> Result<Vec<u8>, String> {
         if !self.0.contains_key(program) {
             let running = start(path, program)?;
             self.0.insert(program.into(), running);
         }
         let running = self.0.get_mut(program).expect("started above");
-        let asked = writeln!(running.stdin, "{detail} {request}").and_then(|_| running.stdin.flush());
         // A program may answer without reading what it is asked.
-        let answer = match (running.answers.recv_timeout(PATIENCE), asked) {
-            (Ok(Ok(answer)), _) => Ok(answer),
-            (Ok(Err(e)), _) => Err(format!("program `{program}` {e}")),
-            (Err(_), Err(e)) => Err(format!("program `{program}` takes no request: {e}")),
-            (Err(_), Ok(())) => Err(format!("program `{program}` gave no answer within {} s", PATIENCE.as_secs())),
+        let _ = running.requests.send(format!("{detail} {request}\n"));
+        let mut answer = running.answers.recv_timeout(LONG.min(patience));
+        if answer == Err(RecvTimeoutError::Timeout) && patience > LONG {
+            let most = patience.as_secs_f64();
+            eprintln!("waiting for the program `{}`, which has {most} s for an answer", program.escape_debug());
+            answer = running.answers.recv_timeout(patience - LONG);
+        }
+        let answer = match answer {
+            Ok(Ok(answer)) => Ok(answer),
+            Ok(Err(e)) => Err(format!("program `{program}` {e}")),
+            Err(_) => {
+                let most = patience.as_secs_f64();
+                Err(format!("program `{program}` gave no answer within {most} s; --program-seconds gives it more"))
+            }
         };
         if answer.is_err() {
             // Dropping it ends it.
@@ -105,7 +121,16 @@ fn start(path: &Path, program: &str) -> Result<Running, String> {
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(&mut command, 0);
     let mut child = command.spawn().map_err(|e| format!("program `{}` cannot be started: {e}", path.display()))?;
-    let (stdin, stdout) = (child.stdin.take().expect("piped"), child.stdout.take().expect("piped"));
+    let (mut stdin, stdout) = (child.stdin.take().expect("piped"), child.stdout.take().expect("piped"));
+    let (requests, asked) = channel::<String>();
+    // A program that reads none of a long request holds up nobody else.
+    std::thread::spawn(move || {
+        for request in asked {
+            if stdin.write_all(request.as_bytes()).and_then(|_| stdin.flush()).is_err() {
+                return;
+            }
+        }
+    });
     let (send, answers) = channel();
     std::thread::spawn(move || {
         let mut answer = Vec::new();
@@ -134,7 +159,7 @@ fn start(path: &Path, program: &str) -> Result<Running, String> {
         }
         let _ = send.send(Err("ended before byte 0377, which closes an answer".into()));
     });
-    Ok(Running { child, stdin, answers })
+    Ok(Running { child, requests, answers })
 }
 
 impl Drop for Running {

@@ -4,9 +4,9 @@ use crate::arguments::{Arguments, Known, Spot, describe};
 use crate::dispatch::{self, Placed};
 use crate::files::Files;
 use crate::lexer::Token;
-use crate::programs::Programs;
+use crate::programs::{PATIENCE, Programs};
 use crate::requests::Request;
-use crate::ri::{Fail, Ri, RiResult};
+use crate::ri::{Fail, Ri};
 use guard::memory::Bytes;
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
@@ -52,8 +52,8 @@ const MAX_DEPTH: usize = 32;
 const MAX_BRANCHES: usize = 256;
 
 /// A function that handles a directive, a comment `#scree …` of the stream. It gets the [`Ri`] and the directive's text after
-/// `scree`; an error stops the reading.
-pub type Directive<'a> = dyn FnMut(&mut dyn Ri, &str) -> RiResult + 'a;
+/// `scree`, and answers with a warning, if there is one; an error stops the reading.
+pub type Directive<'a> = dyn FnMut(&mut dyn Ri, &str) -> Result<Option<String>, Fail> + 'a;
 
 /// Read the RIB stream `rib`, which came from `path`, and make its calls of `ri`. The stream is ASCII or binary, and may be
 /// compressed by gzip. Archives are found through `files`; `on_directive` handles `#scree` comments.
@@ -204,9 +204,13 @@ impl<'a> Reader<'a> {
                 Some((Token::Comment(comment), _)) => {
                     let done = match comment.trim_start().strip_prefix("scree ") {
                         Some(directive) => on_directive(ri, directive.trim()),
-                        None => Ok(()),
+                        None => Ok(None),
                     };
-                    done.map_err(|f| self.error(place, f.message))?;
+                    if let Some(warning) = done.map_err(|f| self.error(place, f.message))? {
+                        self.arguments.request = place;
+                        self.arguments.warn(&comment, &warning);
+                        self.arguments.warnings.drain(..).for_each(|w| ri.warn(w));
+                    }
                 }
                 Some((Token::Word(name), _)) => {
                     self.perform(Request::named(&name).ok_or(&*name), ri, on_directive, place)?;
@@ -461,7 +465,7 @@ impl<'a> Reader<'a> {
                     return Ok(());
                 };
                 self.count_asked(program, place)?;
-                let answer = self.shared.programs.ask(&path, program, ri.detail(bound), request);
+                let answer = self.shared.programs.ask(&path, program, (ri.detail(bound), request), self.files.program_time.unwrap_or(PATIENCE));
                 let answer = answer.map_err(|m| self.error(place, m))?;
                 self.nested(&path, FIRST, &answer, ri, on_directive)
             }

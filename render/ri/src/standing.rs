@@ -286,7 +286,7 @@ mod tests {
 
     fn heard(text: &str) -> Heard {
         let mut heard = Heard::default();
-        read(Path::new("t.rib"), text.as_bytes(), &Files::default(), &mut heard, &mut |_, _| Ok(())).unwrap();
+        read(Path::new("t.rib"), text.as_bytes(), &Files::default(), &mut heard, &mut |_, _| Ok(None)).unwrap();
         heard
     }
 

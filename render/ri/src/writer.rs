@@ -183,7 +183,7 @@ mod tests {
 
     fn rewrite(text: &str) -> String {
         let mut writer = Writer::new(Vec::new()).unwrap();
-        read(Path::new("t.rib"), text.as_bytes(), &Files::default(), &mut writer, &mut |_, _| Ok(())).unwrap();
+        read(Path::new("t.rib"), text.as_bytes(), &Files::default(), &mut writer, &mut |_, _| Ok(None)).unwrap();
         String::from_utf8(writer.into_inner()).unwrap()
     }
 
@@ -204,14 +204,14 @@ mod tests {
     fn faults_have_their_places() {
         let fault = |text: &str| {
             let mut writer = Writer::new(Vec::new()).unwrap();
-            let e = read(Path::new("t.rib"), text.as_bytes(), &Files::default(), &mut writer, &mut |_, _| Ok(()))
+            let e = read(Path::new("t.rib"), text.as_bytes(), &Files::default(), &mut writer, &mut |_, _| Ok(None))
                 .unwrap_err();
             (e.place.line, e.place.column, e.message)
         };
         // What is not known is read over, and said.
         let mut heard = Heard::default();
         let text = "WorldBegin\n  Shpere 1 [-1 1] \"a\" 360 Surface \"matte\" \"Kq\" [1] Shpere 2 WorldEnd";
-        read(Path::new("t.rib"), text.as_bytes(), &Files::default(), &mut heard, &mut |_, _| Ok(())).unwrap();
+        read(Path::new("t.rib"), text.as_bytes(), &Files::default(), &mut heard, &mut |_, _| Ok(None)).unwrap();
         let expected = [
             "t.rib:2:3: unknown request `Shpere`, did you mean `Sphere`?; it is passed over",
             "t.rib:2:27: parameter `Kq` is not declared: write \"uniform float Kq\" or `Declare` it before; did you mean `Ka`?",
@@ -225,7 +225,7 @@ mod tests {
     fn a_request_that_lacks_something_is_at_fault_itself() {
         let fault = |text: &str| {
             let mut writer = Writer::new(Vec::new()).unwrap();
-            let e = read(Path::new("t.rib"), text.as_bytes(), &Files::default(), &mut writer, &mut |_, _| Ok(()))
+            let e = read(Path::new("t.rib"), text.as_bytes(), &Files::default(), &mut writer, &mut |_, _| Ok(None))
                 .unwrap_err();
             (e.place.line, e.place.column, e.text)
         };
@@ -261,7 +261,7 @@ mod tests {
         let (mut writer, mut said) = (Writer::new(Vec::new()).unwrap(), vec![]);
         let mut hear = |_: &mut dyn Ri, text: &str| {
             said.push(text.to_string());
-            Ok(())
+            Ok(None)
         };
         read(Path::new("t.rib"), text.as_bytes(), &Files::default(), &mut writer, &mut hear).unwrap();
         assert_eq!(said, ["said", "said"]);

@@ -5,6 +5,7 @@ use crate::context::motion_block::Moving;
 use crate::context::state::Context;
 use crate::gprim::blobby::Field;
 use crate::gprim::blobby::motion::between;
+use crate::gprim::variables::Counts;
 use crate::scene::motion;
 use crate::scene::patch::Patch;
 use glam::Vec3;
@@ -13,6 +14,9 @@ use ri::{Fail, Params, RiResult};
 impl Context {
     /// A blobby.
     pub(super) fn draw_blobby(&mut self, leaves: i32, codes: Vec<i32>, floats: Vec<f32>, params: Params) -> RiResult {
+        // Of other classes there is one a leaf.
+        let others = usize::MAX;
+        self.say_surplus(&params, Counts { uniform: 1, varying: others, vertex: others, facevarying: others });
         let call = BlobbyCall::new(leaves, codes, floats, params)?;
         if let Some(block) = &mut self.motion {
             block.calls.push(Moving::Blobby(Box::new(call)));

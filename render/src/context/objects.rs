@@ -19,8 +19,11 @@ use ri::{Fail, InstanceShape, Instances, Param, RiResult, Type};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// The most parts of an object: objects may be made of objects, which multiply.
+/// The most parts of an object.
 const MAX_PARTS: usize = 1 << 22;
+
+/// The most parts of an object that are copies of those of others: objects may be made of objects, which multiply.
+const MAX_COPIES: usize = 1 << 20;
 
 impl Context {
     /// `ObjectBegin`.
@@ -30,8 +33,15 @@ impl Context {
         }
         let outer = (self.attributes.clone(), self.place(), self.geometry.clone());
         let depths = [self.attribute_stack.len(), self.transform_stack.len()];
-        self.open_object =
-            Some(OpenObject { handle: handle.into(), parts: vec![], n_wholes: 0, base: self.transform, outer, depths });
+        self.open_object = Some(OpenObject {
+            handle: handle.into(),
+            parts: vec![],
+            n_copies: 0,
+            n_wholes: 0,
+            base: self.transform,
+            outer,
+            depths,
+        });
         self.moves.clear();
         self.attributes.set = SetAttributes::default();
         Ok(())
@@ -166,6 +176,15 @@ impl Context {
     /// Parts of an object within the object that is open.
     fn add_group_parts(&mut self, instances: &Instances, group: &Group, wholes: Wholes) -> RiResult {
         let place = self.place_in_object();
+        if let Some(object) = &mut self.open_object {
+            object.n_copies = object.n_copies.saturating_add(instances.len().saturating_mul(group.parts.len()));
+            if object.n_copies > MAX_COPIES {
+                let name = &object.handle;
+                return Err(Fail::new(format!(
+                    "the object `{name}` is made of objects with more than {MAX_COPIES} parts"
+                )));
+            }
+        }
         for i in 0..instances.len() {
             let object = place.0 * instances.matrix(i);
             for Part { shape, place: own, space, whole, particle } in group.parts.iter() {

@@ -15,6 +15,8 @@ pub type Uniform = Vec<(VariableName, Vec<f32>)>;
 pub struct OpenObject {
     pub handle: String,
     pub parts: Vec<OpenPart>,
+    /// Count of those that are copies of parts of other objects.
+    pub n_copies: usize,
     /// Count of the primitives that these are parts of.
     pub n_wholes: u32,
     /// The transformation where it began.

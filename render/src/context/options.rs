@@ -199,12 +199,13 @@ impl Context {
     pub(super) fn say_levels_of_depths(&self) {
         let is_depth = |layer: &Layer| matches!(layer, Layer::Aov(aov) if aov.name == "z");
         let is_cut = |display: &&Display| {
-            let levels = display.levels(self.options.quantize_one, self.options.quantize_range);
+            let ([_, one, min, max], _) = display.levels(&self.options.quantization());
+            let levels = [0, one, min, max];
             !stores_floats(display.format(), levels) && display.layers().iter().any(is_depth)
         };
         for display in self.options.displays.iter().filter(is_cut) {
             self.scene.warn(format!(
-                "the depths of `{}` are levels from 0 to 1, and all beyond are 1: EXR keeps them, and TIFF of floats beside colours",
+                "the depths of `{}` are levels from 0 to 1, and all beyond are 1: EXR keeps them, and TIFF where they are floats",
                 display.name
             ));
         }
@@ -229,8 +230,7 @@ impl Context {
                 (self.options.quantize_one, self.options.dither) = (one, dither);
                 self.options.quantize_range = [min, max];
             }
-            "z" if one == 0 => {}
-            "z" => self.scene.warn("`Quantize \"z\"` has no effect: depths in EXR files are floats".into()),
+            "z" => self.options.quantize_depth = ([0, one, min, max], dither),
             other => self.scene.warn(format!("`Quantize \"{other}\"` is not known, expected rgba or z")),
         }
         Ok(())
@@ -348,12 +348,15 @@ impl Context {
         self.made.insert(name.into(), source);
     }
 
-    /// Say which textures were made of files that there are not, whether or not they are used.
+    /// Say which textures were made of files that there are not, or that are no images, whether or not they are used.
     pub(super) fn say_missing_images(&mut self) {
         for (name, source, spot) in self.sought.drain(..) {
             if let Some(path) = source.missing(&self.files.folders) {
                 let path = path.display();
                 let message = format!("the texture `{name}` is black: there is no image `{path}` to make it of");
+                self.scene.warnings.add_at(spot, message);
+            } else if let Some((path, why)) = source.unreadable(&self.files.folders) {
+                let message = format!("texture `{name}` cannot be read and is black: `{}`: {why}", path.display());
                 self.scene.warnings.add_at(spot, message);
             }
         }

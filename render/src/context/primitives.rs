@@ -4,15 +4,14 @@ use crate::context::motion_block::PolygonCut;
 use crate::context::state::Context;
 use crate::gprim::basis::BEZIER;
 use crate::gprim::basis::to_bezier;
-use crate::gprim::curves::{self, Segment, curve, ribbon};
 use crate::gprim::nurbs::{nurbs, nurbs_variable, span_of};
 use crate::gprim::patch_mesh::patch_mesh;
 use crate::gprim::polygon::{Cut, MOST_CROSSED, polygon_cut, polygon_patches, turns};
 use crate::gprim::subdivision;
 use crate::gprim::teapot::teapot;
 use crate::gprim::variables::{
-    Places, attach_variables, corner_columns, corner_variables, names_of, note_varying, patch_variables, positions,
-    set_varying, too_few, weighted,
+    Counts, Places, attach_variables, corner_columns, corner_variables, names_of, note_varying, patch_variables,
+    positions, set_varying, too_few, weighted,
 };
 use crate::scene::patch::Patch;
 use crate::scene::source::{SourceShape, instance_variables};
@@ -42,11 +41,34 @@ impl Context {
         }
     }
 
+    /// Say which variables of a primitive have more values than it takes.
+    pub(super) fn say_surplus(&self, params: &Params, counts: Counts) {
+        params.iter().filter_map(|param| counts.surplus(param)).for_each(|said| self.scene.warn(said));
+    }
+
+    /// The same of polygons with so many faces and corners, and say if corners are left over.
+    fn say_surplus_of_faces(&self, params: &Params, [faces, corners]: [usize; 2], vertices: &[i32]) {
+        let points = params.iter().find(|p| p.decl.name == "P").map_or(0, |p| p.numbers().len() / 3);
+        let counts = Counts { uniform: faces, varying: points, vertex: points, facevarying: corners };
+        self.say_surplus(params, counts);
+        self.say_vertices_beyond(vertices.len(), corners);
+    }
+
+    /// Say if a list of vertices has more than those of the faces.
+    fn say_vertices_beyond(&self, given: usize, corners: usize) {
+        if given > corners {
+            self.scene.warn(format!(
+                "the vertex list has {given} numbers, and the faces have {corners} vertices: those beyond are not used"
+            ));
+        }
+    }
+
     pub(super) fn draw_polygon(&mut self, params: Params) -> RiResult {
         let n = params.iter().find(|p| p.decl.name == "P").map_or(0, |p| p.numbers().len() / 3);
         if n < 3 {
             return Err(Fail::new(format!("a polygon has {n} vertices in \"P\", expected at least 3")));
         }
+        self.say_surplus_of_faces(&params, [1, n], &[]);
         let patches = self.polygon(&[(0..n).collect::<Vec<_>>()], &params, 0, 0)?;
         self.add_patches(patches, names_of(&params))
     }
@@ -56,6 +78,10 @@ impl Context {
         let given = params.iter().find(|p| p.decl.name == "P").map_or(0, |p| p.numbers().len() / 3);
         if total > given as i64 {
             return Err(Fail::new(format!("the loops have {total} vertices, and \"P\" has {given}")));
+        }
+        if total < given as i64 {
+            let message = format!("the loops have {total} vertices, and \"P\" has {given}: those beyond are not used");
+            self.scene.warn(message);
         }
         self.draw_points_general_polygons(
             vec![n_vertices.len() as i32],
@@ -87,6 +113,7 @@ impl Context {
             }
             patches.extend(self.polygon(&loops, &params, face, first)?);
         }
+        self.say_surplus_of_faces(&params, [n_loops.len(), at], &vertices);
         self.add_patches(patches, names_of(&params))
     }
 
@@ -114,6 +141,7 @@ impl Context {
             patches.extend(self.polygon(&[corners], &params, face, first)?);
             first += n;
         }
+        self.say_surplus_of_faces(&params, [n_vertices.len(), first], &vertices);
         self.add_patches(patches, names_of(&params))
     }
 
@@ -170,6 +198,7 @@ impl Context {
         };
         let vertex = is_cubic.then(|| (std::array::from_fn(|k| k), &self.geometry.bases));
         let places = Places { varying: [0, 1, 2, 3], corner: [0, 1, 2, 3], face: 0, vertex };
+        self.say_surplus(&params, Counts { vertex: points.len(), ..Counts::FOUR });
         patch_variables(&mut patch, &params, &places)?;
         self.add_patches(vec![patch], names_of(&params))
     }
@@ -199,6 +228,10 @@ impl Context {
         let params = self.with_heights(weighted(params)?, kind, sizes)?;
         let points = positions(&params)?;
         let mesh = patch_mesh(kind == "bicubic", &points, sizes, wraps, &self.geometry.bases, self.geometry.steps)?;
+        let n_corners = mesh.iter().flat_map(|(_, varying, _)| varying).max().map_or(0, |k| k + 1);
+        let counts =
+            Counts { uniform: mesh.len(), varying: n_corners, vertex: points.len(), facevarying: 4 * mesh.len() };
+        self.say_surplus(&params, counts);
         let mut patches = Vec::new();
         for (face, (mut patch, varying, controls)) in mesh.into_iter().enumerate() {
             let vertex = controls.map(|controls| (controls, &self.geometry.bases));
@@ -275,6 +308,15 @@ impl Context {
                 of_spans.push(VariableName::of(&param.decl));
                 continue;
             }
+            if param.decl.class == Class::Uniform && !matches!(param.decl.name.as_str(), "P" | "Pw") {
+                let n = patches.first().map_or(1, |patch| span_of(patch, &u, &v)[1]);
+                if n > 1 && !values.is_empty() {
+                    let name = &param.decl.name;
+                    self.scene.warn(format!(
+                        "`{name}` of class uniform has one value, expected {n}, one a span: it is that of all"
+                    ));
+                }
+            }
             let own = !param.decl.class.is_whole()
                 && (values.len() > 4 * width || param.decl.class == Class::Vertex)
                 && !matches!(param.decl.name.as_str(), "P" | "Pw");
@@ -343,81 +385,6 @@ impl Context {
         self.add_spheres(instances, vec![], true)
     }
 
-    pub(super) fn draw_curves(&mut self, kind: &str, n_vertices: Vec<i32>, wrap: &str, params: Params) -> RiResult {
-        let (cubic, periodic) = match (kind, wrap) {
-            ("linear" | "cubic", "periodic" | "nonperiodic") => (kind == "cubic", wrap == "periodic"),
-            _ => {
-                return Err(Fail::new(format!(
-                    "curves `{kind}` `{wrap}`, expected linear or cubic, periodic or nonperiodic"
-                )));
-            }
-        };
-        let points = positions(&params)?;
-        let given = |name: &str| params.iter().find(|p| p.decl.name == name).filter(|p| !p.numbers().is_empty());
-        let (widths, constant, normals) = (given("width"), given("constantwidth"), given("N"));
-        check_widths(widths.or(constant))?;
-        let to_eye = self.transform.inverse()
-            * self
-                .to_camera
-                .ok_or(Fail::new("`Curves` stands outside the world, expected between WorldBegin and WorldEnd"))?
-                .inverse();
-        let eye = to_eye.transform_point3(Vec3::ZERO);
-        let along = to_eye.transform_vector3(Vec3::Z);
-        let perspective = self.options.fov.is_some();
-        let is_own = |p: &&Param| !matches!(p.decl.name.as_str(), "N" | "width" | "constantwidth");
-        let own: Params = params.iter().filter(is_own).cloned().collect();
-        let (mut at, mut value) = (0, 0);
-        let mut patches = Vec::new();
-        for (face, n) in n_vertices.iter().enumerate() {
-            let vertices = points.get(at..at + (*n).max(0) as usize);
-            let vertices = vertices.ok_or(Fail::new(format!("curve {face} has more vertices than \"P\"")))?;
-            let first = at;
-            at += vertices.len();
-            let curve = curve(vertices, cubic, periodic, &self.geometry.bases.1, self.geometry.steps[1])?;
-            let count = curve.segments.len() as f32;
-            for (k, Segment { control, ends, vertices }) in curve.segments.iter().enumerate() {
-                let ends = ends.map(|e| value + e);
-                let vertices = vertices.map(|i| first + i);
-                // Values of a parameter at the control points of the segment.
-                let values = |param: &Param, c: usize| -> Result<[f32; 4], Fail> {
-                    let (v, w) = (param.numbers(), param.decl.width());
-                    let at = |i: usize| v.get(i * w + c).copied().ok_or(too_few(param));
-                    if param.decl.class.is_whole() || v.len() == w {
-                        let own = if v.len() > w { face } else { 0 };
-                        return Ok([at(own)?; 4]);
-                    }
-                    if cubic && param.decl.class == Class::Vertex {
-                        let [p, q, r, s] = vertices.map(at);
-                        return Ok(curves::along([p?, q?, r?, s?], &self.geometry.bases.1));
-                    }
-                    let (a, b) = (at(ends[0])?, at(ends[1])?);
-                    Ok([0.0, 1.0, 2.0, 3.0].map(|k| a + (b - a) * k / 3.0))
-                };
-                let width = match widths.or(constant) {
-                    Some(param) => values(param, 0)?,
-                    None => [1.0; 4],
-                };
-                let normals = normals.map(|n| Ok([values(n, 0)?, values(n, 1)?, values(n, 2)?])).transpose()?;
-                let facing = |p: Vec3, part: f32| match &normals {
-                    // A ribbon lies across its normals; others face the eye.
-                    Some(n) => Vec3::from_array([0, 1, 2].map(|c| n[c][(3.0 * part) as usize])),
-                    _ if perspective => eye - p,
-                    _ => -along,
-                };
-                let range = [k as f32 / count, (k + 1) as f32 / count];
-                let mut patch = ribbon(control, width, range, facing);
-                let varying = [ends[0], ends[0], ends[1], ends[1]];
-                // Along the curve its own basis holds, across it what is the same there stays so.
-                let bases = (BEZIER, self.geometry.bases.1);
-                let vertex = cubic.then(|| (std::array::from_fn(|k| vertices[k / 4]), &bases));
-                patch_variables(&mut patch, &own, &Places { varying, corner: varying, face, vertex })?;
-                patches.push(patch);
-            }
-            value += curve.n_varying;
-        }
-        self.add_patches(patches, names_of(&own))
-    }
-
     pub(super) fn draw_subdivision_mesh(
         &mut self,
         scheme: &str,
@@ -439,8 +406,11 @@ impl Context {
         let is_smooth = |p: &Param| p.decl.class == Class::Vertex && !matches!(p.decl.name.as_str(), "P" | "N");
         let (smooth, others): (Params, Params) =
             params.iter().filter(|p| !p.numbers().is_empty()).cloned().partition(is_smooth);
+        let (n_faces, n_points) = (n_vertices.len(), points.len());
+        let counts = Counts { uniform: n_faces, varying: n_points, vertex: n_points, facevarying: corners };
+        self.say_surplus(&params, counts);
+        self.say_vertices_beyond(vertices.len(), corners);
         let (columns, values, width) = corner_columns(&others, &vertices, corners)?;
-        let n_points = points.len();
         let mesh = subdivision::Mesh::new(points, &n_vertices, &vertices, &tags, &values, width)?;
         // Fewer steps where there are many faces already, or many patches of other meshes.
         let of_faces = match n_vertices.len() {
@@ -469,7 +439,7 @@ impl Context {
         }
         for param in smooth {
             let width = param.decl.width();
-            if param.numbers().len() != n_points * width {
+            if param.numbers().len() < n_points * width {
                 return Err(too_few(&param));
             }
             let mut all = vec![vec![0.0; 16 * width]; patches.len()];
@@ -496,7 +466,13 @@ impl Context {
             return Ok(());
         }
         let mut patches = teapot();
-        let whole: Params = params.iter().filter(|p| p.decl.class.is_whole()).cloned().collect();
+        let (whole, others): (Params, Params) = params.into_iter().partition(|p| p.decl.class.is_whole());
+        for Param { decl, .. } in others {
+            let (name, class) = (decl.name, decl.class.name());
+            self.scene
+                .warn(format!("`{name}` of class {class} has no effect on a teapot, expected constant or uniform"));
+        }
+        self.say_surplus(&whole, Counts::FOUR);
         let names = attach_variables(&mut patches, &whole)?;
         self.add_patches(patches, names)
     }
@@ -538,7 +514,7 @@ fn is_rational(params: &Params) -> bool {
 }
 
 /// An error if a width of points or curves is below 0.
-fn check_widths(widths: Option<&Param>) -> RiResult {
+pub(super) fn check_widths(widths: Option<&Param>) -> RiResult {
     match widths.and_then(|param| param.numbers().iter().find(|width| !(**width >= 0.0))) {
         Some(width) => Err(Fail::new(format!("a width is {width}, expected 0 or more"))),
         None => Ok(()),

@@ -6,7 +6,7 @@ use crate::context::state::Context;
 use crate::gprim::perspective::projected;
 use crate::gprim::quadric::whole_sphere;
 use crate::scene::shape::Shape;
-use crate::scene::source::SourceShape;
+use crate::scene::source::{SourceShape, Wholes};
 use crate::scene::variables::{VariableName, VariableNames};
 use glam::Mat4;
 use ri::{Fail, RiResult};
@@ -15,6 +15,16 @@ use std::sync::Arc;
 /// The most of them: each becomes many patches.
 const MAX_PROJECTED: usize = 1 << 16;
 
+/// One of them, in the space before the perspective.
+struct Projected {
+    place: Mat4,
+    shape: Shape,
+    /// Its variables.
+    own: Uniform,
+    /// The primitive that it is a part of, if that is one of an object.
+    whole: Option<Wholes>,
+}
+
 impl Context {
     /// Add primitives under a transformation with a perspective, each by itself.
     pub(super) fn push_projected(&mut self, shape: SourceShape, uniform: &Uniform) -> RiResult {
@@ -22,16 +32,31 @@ impl Context {
         if !moves.is_empty() {
             self.scene.warn("what moves under a `Perspective` is drawn as it is when the shutter opens".into());
         }
-        let all: Vec<(Mat4, Shape, Uniform)> = match shape {
-            SourceShape::One(shape) => vec![(m, shape, vec![])],
+        let of_instances = self.of_instances.take();
+        let all: Vec<Projected> = match shape {
+            SourceShape::One(shape) => vec![Projected { place: m, shape, own: vec![], whole: of_instances }],
             SourceShape::Spheres(columns) => {
-                let one = |i: usize| (m * columns.matrix(i), Shape::Sphere, variables_of(&columns, i));
+                let one = |i: usize| Projected {
+                    place: m * columns.matrix(i),
+                    shape: Shape::Sphere,
+                    own: variables_of(&columns, i),
+                    whole: None,
+                };
                 (0..columns.len().min(MAX_PROJECTED + 1)).map(one).collect()
             }
             SourceShape::Objects(columns, parts) => {
+                // A part stays one of its primitive in its instance, and of no other.
+                let whole_of = |i: usize, whole: u32| {
+                    of_instances.map(|all| Wholes { first: all.of_instance(i).wrapping_add(whole), ..all })
+                };
                 let part = |k: usize| {
                     let (i, part) = (k / parts.len(), &parts[k % parts.len()]);
-                    (m * columns.matrix(i) * part.place, part.shape.clone(), variables_of(&columns, i))
+                    Projected {
+                        place: m * columns.matrix(i) * part.place,
+                        shape: part.shape.clone(),
+                        own: variables_of(&columns, i),
+                        whole: whole_of(i, part.whole),
+                    }
                 };
                 (0..(columns.len() * parts.len()).min(MAX_PROJECTED + 1)).map(part).collect()
             }
@@ -42,10 +67,12 @@ impl Context {
             return Err(Fail::new(message));
         }
         self.transform = Mat4::IDENTITY;
-        let done = all.into_iter().try_for_each(|(place, shape, own)| {
+        let done = all.into_iter().try_for_each(|Projected { place, shape, own, whole }| {
             let uniform: Uniform = uniform.iter().cloned().chain(own).collect();
+            self.of_instances = whole;
             self.push_one_projected(&place, &shape, uniform)
         });
+        self.of_instances = of_instances;
         (self.transform, self.moves) = (m, moves);
         done
     }

@@ -4,7 +4,7 @@ use crate::context::motion_block::Moving;
 use crate::context::state::Context;
 use crate::gprim::perspective::is_projective;
 use crate::gprim::quadric::{Outline, Quadric};
-use crate::gprim::variables::{attach_variables, uniform_numbers};
+use crate::gprim::variables::{Counts, attach_variables, uniform_numbers};
 use crate::scene::patch::{Patch, TEXTURE_CORNERS};
 use glam::Vec3;
 use ri::{Fail, InstanceShape, Instances, Params, RiResult};
@@ -22,6 +22,7 @@ impl Context {
         let own_corners = self.texture_corners() == TEXTURE_CORNERS;
         if is_whole && !varies && own_corners && self.motion.is_none() && !is_projective(&self.transform) {
             self.say_sweep(sweep);
+            self.say_surplus(&params, Counts::FOUR);
             let uniform = uniform_numbers(params)?;
             return self.add_spheres(one_sphere(r), uniform, false);
         }
@@ -39,6 +40,10 @@ impl Context {
 
     pub(super) fn quadric(&mut self, outline: Outline, sweep: f32, params: Params) -> RiResult {
         self.say_texts(&params);
+        self.say_surplus(
+            &params,
+            Counts { varying: usize::MAX, vertex: usize::MAX, facevarying: usize::MAX, ..Counts::FOUR },
+        );
         let quadric = Quadric { outline, sweep };
         if let Some(block) = &mut self.motion {
             block.calls.push(Moving::Quadric(quadric, params));

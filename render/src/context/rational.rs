@@ -3,7 +3,7 @@
 use crate::context::state::Context;
 use crate::gprim::basis::to_bezier;
 use crate::gprim::patch_mesh::patch_mesh;
-use crate::gprim::variables::{positions, too_few, weighted};
+use crate::gprim::variables::{Counts, positions, too_few, weighted};
 use crate::scene::variables::VariableNames;
 use ri::{Class, Fail, Knots, Param, Params, RiResult, Type, Values};
 
@@ -64,6 +64,10 @@ impl Context {
         let bases = self.geometry.bases;
         let points = positions(&weighted(params.clone())?)?;
         let mesh = patch_mesh(bicubic, &points, sizes, wraps, &bases, self.geometry.steps)?;
+        let n_corners = mesh.iter().flat_map(|(_, corners, _)| corners).max().map_or(0, |k| k + 1);
+        let (faces, vertex) = (mesh.len(), points.len());
+        let counts = Counts { uniform: faces, varying: n_corners, vertex, facevarying: 4 * faces };
+        self.say_surplus(&params, counts);
         let (mut all, mut names) = (vec![], VariableNames::default());
         for (face, (patch, corners, controls)) in mesh.into_iter().enumerate() {
             let part = Part { face, corners, controls };

@@ -15,7 +15,7 @@ use crate::scene::motion;
 use crate::scene::options::{Hider, Options};
 use crate::scene::patch::{Patch, TEXTURE_CORNERS};
 use crate::scene::shape::Shape;
-use crate::scene::source::{Part, Source, SourceShape, Wholes, duplicates, instance_variables};
+use crate::scene::source::{Part, Source, SourceShape, Wholes, instance_variables, repeats};
 use crate::scene::variables::{VariableName, VariableNames};
 use crate::scene::world::Scene;
 use crate::texture;
@@ -365,15 +365,18 @@ impl Context {
             let closing = later.into_iter().filter_map(|keys| keys.last().map(|(_, p)| *p)).collect::<Vec<_>>();
             columns.moved = (closing.len() == columns.position.len()).then_some(([0.0, 1.0], closing));
         }
-        let hides = attributes.stays_opaque() && attributes.displacement.is_none() && attributes.solid.is_none();
-        let duplicates = match &shape {
+        let is_opaque = attributes.stays_opaque() && attached.iter().all(|a| a.opacity.is_none());
+        let mut repeats = match &shape {
             SourceShape::Spheres(columns) | SourceShape::Objects(columns, _)
-                if columns.len() > 1 && hides && attached.iter().all(|a| a.opacity.is_none()) =>
+                if columns.len() > 1 && attributes.solid.is_none() =>
             {
-                duplicates(columns)
+                repeats(columns, !is_opaque || attributes.displacement.is_some())
             }
             _ => vec![],
         };
+        if is_opaque {
+            repeats.iter_mut().for_each(|n| *n = (*n).min(1));
+        }
         let spot = self.scene.warnings.spot();
         let first_id = self.scene.n_items + 1;
         let source = Source {
@@ -386,12 +389,12 @@ impl Context {
             particles,
             wholes,
             first_id,
-            duplicates,
+            repeats,
             attached,
             spot,
         };
         self.scene.n_items += source.len();
-        if !self.copies.hide(&self.scene.sources, &source) {
+        if !self.copies.hide(&mut self.scene.sources, &source) {
             self.scene.sources.push(source);
         }
         Ok(())

@@ -277,11 +277,16 @@ impl Bvh {
 
     /// Whether there is anything along a direction of unit length, as [`Bvh::nearest`] finds it.
     pub fn meets(&self, own: Item, from: Vec3, dir: Vec3, bias: [f32; 2]) -> bool {
+        self.meets_within(own, from, dir, f32::INFINITY, bias)
+    }
+
+    /// The same within a length.
+    pub fn meets_within(&self, own: Item, from: Vec3, dir: Vec3, length: f32, bias: [f32; 2]) -> bool {
         if self.tree.is_empty() || !from.is_finite() || !dir.is_finite() {
             return false;
         }
         let (mut meets, way) = (false, [from, dir]);
-        self.tree.leaves(from, dir, f32::INFINITY, |leaf, length| {
+        self.tree.leaves(from, dir, length, |leaf, length| {
             meets = self.occluders[leaf].iter().any(|(item, occluder)| {
                 self.distance(*item == own, occluder, way, 0.0, bias).is_some_and(|t| t < length)
             });

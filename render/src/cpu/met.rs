@@ -56,7 +56,8 @@ pub fn meet<'a>(view: &ItemView<'a>, &Hit { from, dir, distance }: &Hit) -> Met<
             let (o, d) = (inverse.transform_point3(from), inverse.transform_vector3(dir));
             let at = inverse.transform_point3(place);
             let found = patches.iter().filter_map(|p| Some((place_on(p, o, d, at)?, p)));
-            let Some(((_, [u, v]), patch)) = found.min_by(|a, b| a.0.0.total_cmp(&b.0.0)) else {
+            let nearest = found.min_by(|a, b| a.0.0.total_cmp(&b.0.0)).map(|((_, spot), patch)| (patch, spot));
+            let Some((patch, [u, v])) = nearest.or_else(|| spot_near(patches, at)) else {
                 let before = [place, -dir, -dir];
                 let uv = [0.0; 2];
                 return Met { place, normal: -dir, geometric: -dir, before, uv, st: uv, on: None };
@@ -75,21 +76,29 @@ pub fn flat_normal(view: &ItemView<'_>) -> Option<Vec3> {
     patch.flat.then(|| (corner(3) - corner(0)).cross(corner(12) - corner(0)).normalize_or_zero())
 }
 
-/// Parts along u and along v at whose ends [`normal_near`] looks at a patch.
+/// Parts along u and along v at whose ends [`spot_near`] looks at a patch first, and how often it halves these then.
 const PARTS: usize = 8;
+const HALVINGS: usize = 12;
 
-/// The normal of an item itself near a place of it, which rounding may have put just beside it; `None` of a sphere, and of what
-/// has no area.
-pub fn normal_near(view: &ItemView<'_>, place: Vec3) -> Option<Vec3> {
-    let Shape::Patches(patches, _) = view.shape else { return None };
-    let at = view.to_world.inverse().transform_point3(place);
+/// Where the patches of an item are nearest to a place, all in their own space: rounding may have put it just beside all of them, as at a
+/// seam. None of what has no area.
+fn spot_near(patches: &[Patch], at: Vec3) -> Option<(&Patch, [f32; 2])> {
     let part = |k: usize| k as f32 / PARTS as f32;
-    let spots = (0..(PARTS + 1) * (PARTS + 1)).map(|k| (part(k % (PARTS + 1)), part(k / (PARTS + 1))));
-    let of_patch = |patch: &Patch, (u, v): (f32, f32)| ((patch.at(u, v) - at).length_squared(), patch.normal(u, v));
-    let all = patches.iter().flat_map(|patch| spots.clone().map(move |spot| of_patch(patch, spot)));
-    let nearest = all.filter(|(_, normal)| *normal != Vec3::ZERO).min_by(|a, b| a.0.total_cmp(&b.0));
-    let normals = Mat3::from_mat4(view.to_world).inverse().transpose();
-    nearest.map(|(_, normal)| (normals * normal).normalize_or_zero())
+    let spots = (0..(PARTS + 1) * (PARTS + 1)).map(|k| [part(k % (PARTS + 1)), part(k / (PARTS + 1))]);
+    let off = |patch: &Patch, [u, v]: [f32; 2]| (patch.at(u, v) - at).length_squared();
+    let all = patches.iter().flat_map(|patch| spots.clone().map(move |spot| (patch, spot)));
+    let has_normal = |(patch, [u, v]): &(&Patch, [f32; 2])| patch.normal(*u, *v) != Vec3::ZERO;
+    let (patch, mut best) = all.filter(has_normal).min_by(|a, b| off(a.0, a.1).total_cmp(&off(b.0, b.1)))?;
+    let mut step = 0.5 / PARTS as f32;
+    for _ in 0..HALVINGS {
+        let [u, v] = best;
+        let beside = [[u - step, v], [u + step, v], [u, v - step], [u, v + step]];
+        let beside = beside.map(|spot| spot.map(|x| x.clamp(0.0, 1.0)));
+        best =
+            beside.into_iter().fold(best, |best, spot| if off(patch, spot) < off(patch, best) { spot } else { best });
+        step *= 0.5;
+    }
+    has_normal(&(patch, best)).then_some((patch, best))
 }
 
 /// A displaced item where a ray meets its mesh.

@@ -202,6 +202,16 @@ impl<'a> Rays<'a> {
             })
     }
 
+    /// The same within a length.
+    pub fn meets_within(&self, own: Item, from: Vec3, dir: Vec3, length: f32, bias: [f32; 2]) -> bool {
+        self.surfaces.meets_within(own, from, dir, length, bias)
+            || self.displaced.as_ref().is_some_and(|displaced| displaced.blocked(from, dir, length, |_| true))
+            || self.solids.as_ref().is_some_and(|hulls| {
+                let first = hulls.first(own, from, dir, 0.0, bias, |item| hulls.casts[item.source as usize]);
+                first.is_some_and(|(t, _)| t < length)
+            })
+    }
+
     /// Whether the cross product of the directions along u and v of a primitive of a solid points out of it.
     pub fn is_outward(&self, item: Item) -> bool {
         let known =
@@ -231,7 +241,7 @@ impl<'a> Hulls<'a> {
         let mut primitives: BTreeMap<u32, Vec<Item>> = BTreeMap::new();
         for (s, source) in scene.sources.iter().enumerate() {
             hulls.outward.push(vec![true; if source.attributes.solid.is_some() { source.len() } else { 0 }]);
-            if let Some(leaf) = source.attributes.solid.filter(|_| source.duplicates.is_empty()) {
+            if let Some(leaf) = source.attributes.solid.filter(|_| source.repeats.is_empty()) {
                 let items = (0..source.len()).map(|i| Item { source: s as u32, index: i as u32 });
                 primitives.entry(leaf).or_default().extend(items);
             }

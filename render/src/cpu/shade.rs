@@ -65,6 +65,9 @@ pub fn shade(frame: &Frame<'_>, surface: &Surface<'_>, points: &mut Points, shad
             frame.scene.not_opacities(&a.surface.program, n_beyond, item.source);
         }
     }
+    if view.repeats > 1 {
+        repeat(view, points);
+    }
     points.footprints.clear();
     stats.shaded_points += points.n() as u64;
     stats.seconds.shade += begun.elapsed().as_secs_f64();
@@ -78,6 +81,22 @@ fn limit(points: &mut Points) {
     for global in [Global::Ci, Global::Oi] {
         points.get_mut(global).into_iter().flatten().for_each(|x| *x = x.clamp(-GREATEST, GREATEST));
     }
+}
+
+/// Give points the colours and opacities of all primitives that theirs stands for.
+fn repeat(view: &ItemView<'_>, points: &mut Points) {
+    let n = points.n();
+    let [mut color, mut opacity] = [Global::Ci, Global::Oi].map(|global| {
+        let all = points.get(global).unwrap_or(&[1.0; 3]);
+        if all.len() == 3 * n { all.to_vec() } else { all.iter().flat_map(|x| std::iter::repeat_n(*x, n)).collect() }
+    });
+    for k in 0..n {
+        let of = |all: &[f32]| [0, 1, 2].map(|c| all[c * n + k]);
+        let [ci, oi] = view.repeated([of(&color), of(&opacity)]);
+        (0..3).for_each(|c| (color[c * n + k], opacity[c * n + k]) = (ci[c], oi[c]));
+    }
+    points.set(Global::Ci, color);
+    points.set(Global::Oi, opacity);
 }
 
 /// How many points have opacities that lie beyond 0 and 1 by more than rounding.
@@ -144,6 +163,11 @@ fn note_outputs(frame: &Frame<'_>, item: Item, view: &ItemView<'_>, points: &Poi
                 for c in 0..width {
                     let value = if values.len() == width { values[c] } else { values[c * n + k] };
                     out[first + c] = value.clamp(-GREATEST, GREATEST);
+                }
+                if view.repeats > 1 && (name == "Ci" || name == "Oi") {
+                    let at = |v: &[f32]| [0, 1, 2].map(|c| v[if v.len() == 3 { c } else { c * n + k }]);
+                    let all = view.repeated([at(values), at(surface_opacity(points))]);
+                    out[first..first + 3].copy_from_slice(&all[(name == "Oi") as usize]);
                 }
             }
         }

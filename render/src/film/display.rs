@@ -100,6 +100,15 @@ pub fn stores_floats(format: &str, [_, one, _, max]: [i32; 4]) -> bool {
     format == "exr" || format == "tiff" && one == 0 && max == 0
 }
 
+/// Quantization and dither (`Quantize`, RISpec 4.1.2), as [`Display::levels`] has them.
+#[derive(Clone, Copy, Debug)]
+pub struct Quantization {
+    /// Of colours.
+    pub colors: ([i32; 4], f32),
+    /// Of depths that are alone in a file.
+    pub depths: ([i32; 4], f32),
+}
+
 /// A display (`Display`, RISpec 4.1.2): a file, and the layers that are written to it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Display {
@@ -126,10 +135,12 @@ impl Display {
         format_named(ending).or(format_named(&self.kind)).unwrap_or("png")
     }
 
-    /// Quantization of its numbers: the values that 0 and 1 map to, and the least and the greatest; the image's, `one` and `range`, if it
-    /// has none of its own.
-    pub fn levels(&self, one: i32, [min, max]: [i32; 2]) -> [i32; 4] {
-        self.quantize.unwrap_or([0, one, min, max])
+    /// Quantization of its numbers, the values that 0 and 1 map to and the least and the greatest, and the amplitude of their dither; the
+    /// image's if it has none of its own.
+    pub fn levels(&self, image: &Quantization) -> ([i32; 4], f32) {
+        let is_depth = |layer: &Layer| matches!(layer, Layer::Aov(aov) if aov.name == "z");
+        let (levels, dither) = if self.layers().iter().all(is_depth) { image.depths } else { image.colors };
+        (self.quantize.unwrap_or(levels), self.dither.unwrap_or(dither))
     }
 
     /// What stands in the file, if it is of another kind than its name or the type of the display says.

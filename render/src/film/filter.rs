@@ -1,4 +1,4 @@
-//! Pixel filters (RISpec 4.1.2): separable, evaluated from a table along each axis.
+//! Pixel filters (RISpec 4.1.2 and appendix E): products of those along each axis, or of the distance, evaluated from a table.
 
 /// The kind of a pixel filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -9,7 +9,7 @@ pub enum FilterKind {
     Triangle,
     /// Gaussian, cut off at half the width.
     Gaussian,
-    /// Catmull and Rom's interpolating cubic.
+    /// Catmull and Rom's cubic of the distance in pixels, which ends at 2, within the rectangle of the widths.
     CatmullRom,
     /// Sinc times a window.
     Sinc,
@@ -37,16 +37,22 @@ impl FilterKind {
         })
     }
 
-    /// Whether it depends on the distance from the centre, and is not a product of filters along x and y.
+    /// Whether it depends on the distance from the centre in half widths, and is not a product of filters along x and y.
     pub fn is_round(self) -> bool {
         matches!(self, FilterKind::Disk | FilterKind::Bessel)
     }
 
-    /// The filter's value at `x` pixels from its centre, for a full width of `width` pixels; 0 from half the width on.
+    /// How far from the centre it has values, pixels.
+    fn reach(self, width: f32) -> f32 {
+        if self == FilterKind::CatmullRom { 2.0 } else { 0.5 * width }
+    }
+
+    /// The filter's value at `x` pixels from its centre, for a full width of `width` pixels; 0 from half the width on, but for
+    /// Catmull and Rom's, which the widths cut along x and y.
     pub fn value(self, x: f32, width: f32) -> f32 {
         let half = 0.5 * width;
         let x = x.abs();
-        if x >= half {
+        if x >= self.reach(width) {
             return 0.0;
         }
         match self {
@@ -61,10 +67,8 @@ impl FilterKind {
             FilterKind::CatmullRom => {
                 if x < 1.0 {
                     1.5 * x * x * x - 2.5 * x * x + 1.0
-                } else if x < 2.0 {
-                    -0.5 * x * x * x + 2.5 * x * x - 4.0 * x + 2.0
                 } else {
-                    0.0
+                    -0.5 * x * x * x + 2.5 * x * x - 4.0 * x + 2.0
                 }
             }
             FilterKind::Sinc => {
@@ -129,6 +133,10 @@ impl PixelFilter {
     #[inline]
     pub fn at(&self, dx: f32, dy: f32) -> f32 {
         let [x, y] = &self.axes;
+        if x.kind == FilterKind::CatmullRom {
+            let is_within = dx.abs() < x.half && dy.abs() < y.half;
+            return if is_within { x.of_distance((dx * dx + dy * dy).sqrt()) } else { 0.0 };
+        }
         if !x.kind.is_round() {
             return x.at(dx) * y.at(dy);
         }
@@ -165,7 +173,7 @@ impl Filter {
 
     /// Tabulate a filter of a full width of `width` pixels.
     pub fn new(kind: FilterKind, width: f32) -> Filter {
-        let n = (0.5 * width * Self::STEPS).ceil() as usize + 2;
+        let n = (kind.reach(width) * Self::STEPS).ceil() as usize + 2;
         Filter {
             table: (0..n).map(|i| kind.value((i as f32 + 0.5) / Self::STEPS, width)).collect(),
             half: 0.5 * width,
@@ -178,6 +186,21 @@ impl Filter {
     pub fn at(&self, x: f32) -> f32 {
         let x = x.abs();
         if x >= self.half { 0.0 } else { self.table[(x * Self::STEPS) as usize] }
+    }
+
+    /// The filter's value at a distance from its centre, pixels, however wide it is.
+    #[inline]
+    fn of_distance(&self, r: f32) -> f32 {
+        self.table.get((r * Self::STEPS) as usize).copied().unwrap_or(0.0)
+    }
+
+    /// What its kernels are told that it is: 1 is a box of one pixel along both axes, 2 depends on the distance in half widths, 3 on
+    /// that in pixels.
+    pub(crate) fn shape(&self) -> u32 {
+        match self.kind {
+            FilterKind::CatmullRom => 3,
+            kind => 2 * kind.is_round() as u32,
+        }
     }
 
     /// Whether the filter is a box of one pixel's width.
@@ -208,6 +231,13 @@ mod tests {
         assert_eq!([disk.at(1.9, 0.0), disk.at(0.0, 0.9), disk.at(1.5, 0.7)], [1.0, 1.0, 0.0]);
         let half = 2.0 * 0.581_52 / 1.915_853 * std::f32::consts::FRAC_PI_4.cos();
         assert!((FilterKind::Bessel.value(1.0, 4.0) - half).abs() < 1e-3, "{}", FilterKind::Bessel.value(1.0, 4.0));
+        // Of the distance, within the rectangle of the widths: 3/2 r³ − 5/2 r² + 1 up to 1, −1/2 r³ + 5/2 r² − 4 r + 2 up to 2.
+        let cubic = PixelFilter::new(FilterKind::CatmullRom, [4.0, 2.0]);
+        for (x, y, expected) in
+            [(0.3, 0.4, 0.5625), (0.6, 0.8, 0.0), (0.9, -1.1, 0.0), (1.2, 0.9, -0.0625), (1.6, 0.9, -0.0116)]
+        {
+            assert!((cubic.at(x, y) - expected).abs() < 6e-3, "({x}, {y}): {}, expected {expected}", cubic.at(x, y));
+        }
         // Samples in the middles of pixels: none of a neighbour's within a width of two.
         assert!(PixelFilter::new(FilterKind::Gaussian, [2.0; 2]).of_middles().is_pixel());
         assert!(!PixelFilter::new(FilterKind::Gaussian, [2.0, 2.1]).of_middles().is_pixel());

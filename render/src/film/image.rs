@@ -1,8 +1,9 @@
 //! Images: exposure, quantization, and PNG, TIFF and EXR bytes (RISpec 4.1.2).
 
-use crate::film::display::{self, Aov, Channel, Display, Layer, channels};
-use ::image::codecs::tiff::TiffEncoder;
+use crate::film::display::{self, Aov, Channel, Display, Layer, Quantization, channels};
+use ::image::codecs::tiff::TiffEncoder as WholeTiffEncoder;
 use ::image::{ExtendedColorType, ImageEncoder};
+use tiff::encoder::{TiffEncoder, colortype};
 
 /// Longest side of an image, pixels.
 pub const LONGEST_SIDE: usize = 65_536;
@@ -28,12 +29,8 @@ pub struct Encoding<'a> {
     pub window: [[usize; 2]; 2],
     /// Pixel aspect ratio: width of a pixel over its height.
     pub pixel_aspect: f32,
-    /// The value that 1 is quantized to: 255 for 8 bits, 65535 for 16, 0 for floats.
-    pub quantize_one: i32,
-    /// Least and greatest quantized value.
-    pub quantize_range: [i32; 2],
-    /// Amplitude of the dither, quantization steps.
-    pub dither: f32,
+    /// Quantization of what displays have none of their own for.
+    pub quantization: Quantization,
     /// Metadata for the file, as keys and values.
     pub about: &'a [(String, String)],
 }
@@ -64,8 +61,8 @@ impl Image {
     }
 
     /// Encode the image as the bytes of the one file that these displays share; the first display gives the format. EXR stores
-    /// floats, and so does TIFF where `quantize_one` is 0. An error if no display is given, or if a PNG or TIFF file would not have
-    /// 1, 3 or 4 channels (TIFF of floats: 3 or 4).
+    /// floats, and so does TIFF where the value of 1 and the greatest are 0. An error if no display is given, or if a PNG or TIFF file
+    /// would not have 1, 3 or 4 channels.
     pub fn encode(&self, displays: &[&Display], encoding: &Encoding<'_>) -> Result<Vec<u8>, String> {
         let Some(display) = displays.first() else { return Err("no display takes the image".into()) };
         let layers: Vec<Layer> = displays.iter().flat_map(|d| d.layers()).collect();
@@ -73,8 +70,7 @@ impl Image {
         match display.format() {
             "exr" => self.exr(&channels, displays.iter().all(|d| d.half), encoding),
             kind => {
-                let levels = display.levels(encoding.quantize_one, encoding.quantize_range);
-                let dither = display.dither.unwrap_or(encoding.dither);
+                let (levels, dither) = display.levels(&encoding.quantization);
                 self.plain(kind, &channels, (levels, dither, encoding))
             }
         }
@@ -139,19 +135,22 @@ impl Image {
         let [[x0, y0], [x1, y1]] = encoding.window;
         let [w, h] = [x1 - x0, y1 - y0].map(|n| n as u32);
         let mut bytes = Vec::new();
-        let mut tiff = |data: &[u8], color| {
+        let mut levels_as_tiff = |data: &[u8], color| {
             let goal = std::io::Cursor::new(&mut bytes);
-            TiffEncoder::new(goal).write_image(data, w, h, color).map_err(|e| e.to_string())
+            WholeTiffEncoder::new(goal).write_image(data, w, h, color).map_err(|e| e.to_string())
         };
         if display::stores_floats(kind, levels) {
-            let color = match n {
-                3 => ExtendedColorType::Rgb32F,
-                4 => ExtendedColorType::Rgba32F,
-                _ => return Err(format!("a TIFF file of floats has 3 or 4 channels, not {n}: take EXR")),
-            };
             let pixels = (y0..y1).flat_map(|y| (x0..x1).map(move |x| y * self.width + x));
             let numbers = pixels.flat_map(|p| channels.iter().map(move |c| self.number(p, c.at)));
-            tiff(&numbers.flat_map(f32::to_ne_bytes).collect::<Vec<u8>>(), color)?;
+            let numbers: Vec<f32> = numbers.collect();
+            let mut goal = TiffEncoder::new(std::io::Cursor::new(&mut bytes)).map_err(|e| e.to_string())?;
+            let done = match n {
+                1 => goal.write_image::<colortype::Gray32Float>(w, h, &numbers),
+                3 => goal.write_image::<colortype::RGB32Float>(w, h, &numbers),
+                4 => goal.write_image::<colortype::RGBA32Float>(w, h, &numbers),
+                _ => return Err(format!("a TIFF file has 1, 3 or 4 channels, not {n}: take EXR")),
+            };
+            done.map_err(|e| e.to_string())?;
             return Ok(bytes);
         }
         let deep = one.max(max) > 255;
@@ -171,7 +170,7 @@ impl Image {
             _ => return Err(format!("a {kind} file has 1, 3 or 4 channels, not {n}: take EXR")),
         };
         if kind == "tiff" {
-            tiff(&data, tiff_color)?;
+            levels_as_tiff(&data, tiff_color)?;
             return Ok(bytes);
         }
         let fault = |e: png::EncodingError| e.to_string();

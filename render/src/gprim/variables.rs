@@ -73,6 +73,36 @@ pub struct Places<'a> {
     pub vertex: Option<([usize; 16], &'a ([f32; 16], [f32; 16]))>,
 }
 
+/// How many values a primitive takes of each class of variables, but constant.
+#[derive(Clone, Copy)]
+pub struct Counts {
+    pub uniform: usize,
+    pub varying: usize,
+    pub vertex: usize,
+    pub facevarying: usize,
+}
+
+impl Counts {
+    /// Those of a primitive of one face with four corners.
+    pub const FOUR: Counts = Counts { uniform: 1, varying: 4, vertex: 4, facevarying: 4 };
+
+    /// What is said of a parameter that has more.
+    pub fn surplus(&self, param: &Param) -> Option<String> {
+        let (n, class) = (param.numbers().len() / param.decl.width().max(1), param.decl.class);
+        let expected = match class {
+            Class::Constant => return None,
+            Class::Uniform => self.uniform,
+            Class::Varying => self.varying,
+            Class::Vertex => self.vertex,
+            Class::FaceVarying => self.facevarying,
+        };
+        let name = &param.decl.name;
+        (n > expected && !matches!(name.as_str(), "P" | "Pw" | "Pz")).then(|| {
+            format!("`{name}` of class {} has {n} values, expected {expected}: those beyond are not used", class.name())
+        })
+    }
+}
+
 /// What is said of a parameter that does not reach.
 pub fn too_few(param: &Param) -> Fail {
     let n = param.numbers().len() / param.decl.width();
@@ -231,7 +261,7 @@ pub fn uniform_numbers(params: Params) -> Result<Vec<(VariableName, Vec<f32>)>, 
     for param in params {
         match (&param.values, param.decl.class) {
             (Values::Floats(v), Class::Constant | Class::Uniform) => {
-                out.push((VariableName::of(&param.decl), v.clone()))
+                out.push((VariableName::of(&param.decl), v[..param.decl.width().min(v.len())].to_vec()))
             }
             (Values::Strings(_), _) => {}
             _ => {

@@ -4,7 +4,8 @@
 // in   table    [n]                  the filter's values along x, then along y, 256 a pixel from its centre on
 // out  pixels   [n_pixels]           of the inner part
 // in   params   [12]                 first pixel's column and row; width and height; strata along x and y; margins along x and y; half
-//                                    widths along x and y, as bits; values along x; 1 if it is a box of a pixel, 2 if it is round
+//                                    widths along x and y, as bits; values along x; 1 if it is a box of a pixel, 2 if it is of the distance
+//                                    in half widths, 3 if it is of that in pixels
 // Twin: cpu/samples/pixels.rs
 #import filter_weight
 

@@ -2,8 +2,8 @@
 // The fourth row of the scene says where the rows of maps begin, their count, and where the linear light of bytes that are encoded for screens
 // does, four a row. The row of a map has 0 if it cannot be read, 1 of an image, 2 of six faces; where the rows of its textures stand, four a row,
 // and the tangent of half the angle of a face. A texture is a row of its width and height, the count of its levels, and what lies beyond its
-// edges, along s 1 clamped and 2 periodic, along t 4 times that, with 16 for bytes that are linear and 32 for bytes that are encoded; then a row
-// for each level, with its width and height, and the row of its texels, four of bytes to a row or one of floats.
+// edges, along s 1 clamped and 2 periodic, along t 4 times that, with 16 for bytes that are linear and 32 for bytes that are encoded, and 256 times the
+// count of channels of its file; then a row for each level, with its width and height, and the row of its texels, four of bytes to a row or one of floats.
 // Twin: texture.rs
 
 // The most places along the longer axis of a filter.
@@ -185,8 +185,13 @@ fn texture_map(map: u32, q: Lookup) -> vec4<f32> {
     let at = world[head.y + face / 4u][face % 4u];
     let value = filtered(at, place, row * q.width, column * q.width, q.blur);
     var found = vec4<f32>(q.fill);
-    for (var k = 0u; k + q.channel < 4u; k += 1u) {
-        found[k] = value[k + q.channel];
+    if q.channel == 0u {
+        return value;
+    }
+    let channels = min(world[at].w >> 8u, 4u);
+    let own = select(value, vec4<f32>(value.x, value.w, 0.0, 0.0), channels == 2u);
+    for (var k = 0u; k + q.channel < channels; k += 1u) {
+        found[k] = own[k + q.channel];
     }
     return found;
 }

@@ -201,17 +201,12 @@ fn distance_beyond(start: vec3<f32>, way: vec3<f32>, at: u32, own: u32, near: ve
     return select(-1.0, t, t > max(near_triangle(head, is_own, b.xyz - a.xyz, c.xyz - a.xyz, start, near), least));
 }
 
-// How far along a ray from the surface that is shaded anything is met; negative if nothing is.
-fn nearest(place: vec3<f32>, way: vec3<f32>) -> f32 {
-    let near = near_of_start();
-    // From a flat surface a ray is lifted off a little, and begun a little earlier.
-    let flat = vec3<f32>(values[work.own + 4u], values[work.own + 5u], values[work.own + 6u]);
-    let side = select(1.0, -1.0, dot(flat, way) < 0.0);
-    let start = place + select(vec3<f32>(), (2.0 * flat * side - way) * (0.05 * near.x), any(flat != vec3<f32>()));
+// How far along a ray anything is met within a length, negative if nothing is. `near` says how near the start a surface does not count.
+fn nearest_within(start: vec3<f32>, way: vec3<f32>, length: f32, near: vec2<f32>) -> f32 {
     let inverse = inverse_of(way);
     let own = own_primitive();
     let head = world[0];
-    var far = 1e30;
+    var far = length;
     var k = 0u;
     while k < head.z {
         let at = head.x + 2u * k;
@@ -228,6 +223,25 @@ fn nearest(place: vec3<f32>, way: vec3<f32>) -> f32 {
             far = select(far, t, t >= 0.0 && t < far);
         }
     }
+    return select(far, -1.0, far >= length);
+}
+
+// How far along a ray from the surface that is shaded anything is met; negative if nothing is.
+fn nearest(place: vec3<f32>, way: vec3<f32>) -> f32 {
+    let near = near_of_start();
+    let flat = vec3<f32>(values[work.own + 4u], values[work.own + 5u], values[work.own + 6u]);
+    var start = place;
+    if any(flat != vec3<f32>()) {
+        // From a flat surface a ray is lifted off a little, and begun a little earlier, unless it would be lifted over what it meets first.
+        let off = 0.05 * near.x;
+        let along = dot(flat, way);
+        let first = nearest_within(place, way, off * (2.0 - abs(along)) / max(abs(along), 0.05), near);
+        if first >= 0.0 {
+            return first;
+        }
+        start = place + (2.0 * flat * select(1.0, -1.0, along < 0.0) - way) * off;
+    }
+    let far = nearest_within(start, way, 1e30, near);
     // From the place itself, not from where the ray starts beside it.
-    return select(max(far + dot(start - place, way), 0.0), -1.0, far >= 1e30);
+    return select(max(far + dot(start - place, way), 0.0), -1.0, far < 0.0);
 }

@@ -285,7 +285,7 @@ impl<'a> Samples<'a> {
     pub(super) fn filter(&self, frame: &Frame<'_>) -> Result<(Buffer<f32>, Vec<u32>, usize), GpuError> {
         let [x, y] = frame.filter.axes();
         let margin = frame.margin().map(|n| n as u32);
-        let kind = if frame.filter.is_pixel() { 1 } else { 2 * x.kind.is_round() as u32 };
+        let kind = if frame.filter.is_pixel() { 1 } else { x.shape() };
         let table: Vec<f32> = x.table.iter().chain(&y.table).copied().collect();
         let table = Buffer::of(self.device, "filter", &table)?;
         let own = [margin[0], margin[1], x.half.to_bits(), y.half.to_bits(), x.table.len() as u32, kind];

@@ -12,7 +12,14 @@ pub fn is_translucent(source: &Source) -> bool {
 pub fn refused(scene: &Scene) -> Option<String> {
     let is_solid = |source: &Source| source.len() > 0 && source.attributes.solid.is_some();
     let has_solids = scene.sources.iter().any(is_solid);
-    has_solids.then(|| "the scene has solids, which is not built for graphics devices".into())
+    let what = match () {
+        () if has_solids => "solids",
+        () if scene.sources.iter().any(|source| source.repeats.iter().any(|n| *n > 1)) => {
+            "translucent primitives in one place"
+        }
+        () => return None,
+    };
+    Some(format!("the scene has {what}, which is not built for graphics devices"))
 }
 
 /// Why rays of shaders cannot be answered, as a sentence: what is in their way is more than surfaces whose opacities are known.

@@ -99,7 +99,7 @@ fn push_texture(rows: &mut Vec<[u32; 4]>, texture: &TextureLevels<'_>) -> Option
     let Levels::Resident(levels) = texture.levels else { return None };
     let first = rows.len();
     rows.resize(first + 1 + levels.len(), [0; 4]);
-    let mut kind = texture.wrap[0] | texture.wrap[1] << 2;
+    let mut kind = texture.wrap[0] | texture.wrap[1] << 2 | texture.channels << 8;
     for (k, (w, h, texels)) in levels.iter().enumerate() {
         rows[first + 1 + k] = [*w as u32, *h as u32, rows.len() as u32, 0];
         match texels {

@@ -207,6 +207,41 @@ impl Attributes {
         all
     }
 
+    /// Whether what has these attributes is seen, and lit, as what has others.
+    pub fn is_as(&self, other: &Attributes) -> bool {
+        fn shader(a: &Arc<BoundShader>, b: &Arc<BoundShader>) -> bool {
+            a.is_as(b)
+        }
+        fn maybe<T>(a: &Option<T>, b: &Option<T>, is_as: impl Fn(&T, &T) -> bool) -> bool {
+            matches!((a, b), (None, None)) || a.as_ref().zip(b.as_ref()).is_some_and(|(a, b)| is_as(a, b))
+        }
+        type Volume = Option<(Arc<BoundShader>, Mat4)>;
+        let volume = |a: &Volume, b: &Volume| maybe(a, b, |a, b| shader(&a.0, &b.0) && a.1 == b.1);
+        macro_rules! are_same {
+            ($($field:ident)*) => {{
+                // All are named, so that none that comes later is forgotten.
+                let Attributes {
+                    $($field: _,)* set: _, surface: _, displacement: _, atmosphere: _, interior: _, exterior: _, lights: _,
+                    light_list: _,
+                } = self;
+                true $(&& self.$field == other.$field)*
+            }};
+        }
+        let are_same = are_same! {
+            color opacity color_moves opacity_moves surface_space displacement_space displacement_bound atmosphere_space user
+            texture_corners emitters area_light light_samples shading_rate smooth two_sided reversed matte visible casts_shadows
+            whole_shadows shadows_of_opacity detail detail_box detail_range seen solid
+        };
+        are_same
+            && shader(&self.surface, &other.surface)
+            && maybe(&self.displacement, &other.displacement, shader)
+            && maybe(&self.atmosphere, &other.atmosphere, shader)
+            && volume(&self.interior, &other.interior)
+            && volume(&self.exterior, &other.exterior)
+            && self.light_list.len() == other.light_list.len()
+            && self.light_list.iter().zip(other.light_list.iter()).all(|(a, b)| shader(a, b))
+    }
+
     /// Whether its colour or opacity changes while the shutter is open.
     pub fn fades(&self) -> bool {
         !self.color_moves.is_empty() || !self.opacity_moves.is_empty()

@@ -1,7 +1,7 @@
 //! Options of the whole image (RISpec section 4).
 
 use crate::film::bucket::Shard;
-use crate::film::display::Display;
+use crate::film::display::{Display, Quantization};
 use crate::film::filter::FilterKind;
 use crate::film::image::Encoding;
 use crate::texture::texels;
@@ -68,6 +68,8 @@ pub struct Options {
     pub quantize_range: [i32; 2],
     /// Amplitude of the dither, quantization steps.
     pub dither: f32,
+    /// Quantization and dither of depths that are alone in a file (`Quantize "z"`), as [`Display::levels`] has them.
+    pub quantize_depth: ([i32; 4], f32),
     /// Displays.
     pub displays: Vec<Display>,
     /// An unsupported display was named: without another, nothing is rendered.
@@ -119,6 +121,7 @@ impl Default for Options {
             gamma: 1.0,
             quantize_one: 255,
             quantize_range: [0, 255],
+            quantize_depth: ([0; 4], 0.0),
             dither: 0.5,
             displays: vec![],
             unsupported_display: false,
@@ -166,14 +169,18 @@ impl Options {
         [[x0, y0], [x1, y1]]
     }
 
+    /// Quantization and dither of colours and of depths.
+    pub fn quantization(&self) -> Quantization {
+        let [min, max] = self.quantize_range;
+        Quantization { colors: ([0, self.quantize_one, min, max], self.dither), depths: self.quantize_depth }
+    }
+
     /// The settings with which the image is encoded to files.
     pub fn encoding(&self) -> Encoding<'_> {
         Encoding {
             window: self.window(),
             pixel_aspect: self.pixel_aspect,
-            quantize_one: self.quantize_one,
-            quantize_range: self.quantize_range,
-            dither: self.dither,
+            quantization: self.quantization(),
             about: &self.about,
         }
     }

@@ -70,6 +70,12 @@ impl Patch {
         }
     }
 
+    /// Whether it has the parameters, coordinates, normals and variables of another.
+    pub fn has_values_of(&self, other: &Patch) -> bool {
+        (self.uv, self.st, &self.curved_st) == (other.uv, other.st, &other.curved_st)
+            && (&self.varying, &self.uniform, &self.normals) == (&other.varying, &other.uniform, &other.normals)
+    }
+
     /// A patch without variables, whose parameters are its texture coordinates too.
     fn of(p: [Vec3; 16], corners: [[f32; 2]; 4]) -> Patch {
         Patch {

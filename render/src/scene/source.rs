@@ -77,8 +77,9 @@ pub struct Source {
     pub wholes: Wholes,
     /// The id of its first item, from 1.
     pub first_id: usize,
-    /// Which instances stand where another before them does and hide behind it; empty if none does.
-    pub duplicates: Vec<bool>,
+    /// How many primitives stand as one where each instance does; 0 of those that stand where one before them does, and hide behind it or
+    /// are counted there. Empty if all stand alone.
+    pub repeats: Vec<u32>,
     /// The variables of each part, attached to its shaders; of one for all items where there are no parts.
     pub attached: Vec<Arc<Attached>>,
     /// Where they stand in a file.
@@ -116,6 +117,8 @@ pub struct ItemView<'a> {
     pub shift: Vec3,
     /// It is one of `Points`, of which the eye and the light see one side.
     pub particle: bool,
+    /// How many that are alike it stands for.
+    pub repeats: u32,
 }
 
 impl SourceShape {
@@ -141,6 +144,11 @@ impl Source {
         a.shadows_of_opacity || a.surface.program.keeps_opacity && self.attached.iter().all(|a| a.opacity.is_none())
     }
 
+    /// How many primitives an item stands for.
+    pub fn repeats_of(&self, item: usize) -> u32 {
+        if self.repeats.is_empty() { 1 } else { self.repeats[item / (self.len() / self.repeats.len())] }
+    }
+
     /// Number of items.
     pub fn len(&self) -> usize {
         match &self.shape {
@@ -151,12 +159,12 @@ impl Source {
     }
 }
 
-/// Which of some opaque instances are as one before them; empty if none is.
-pub(crate) fn duplicates(columns: &Instances) -> Vec<bool> {
+/// How many instances stand where each does, as [`Source::repeats`] has them; of those whose variables count, these are the same.
+pub(crate) fn repeats(columns: &Instances, variables_count: bool) -> Vec<u32> {
     let n = columns.len();
     let mut first: HashMap<u64, u32, BuildHasherDefault<Mixed>> =
         HashMap::with_capacity_and_hasher(n, Default::default());
-    let mut duplicate = Vec::new();
+    let mut repeats = Vec::new();
     for i in 0..n {
         let (scale, turn) = (columns.scale.get(i), columns.orientation.get(i));
         let numbers = columns.position[i].iter().chain(scale.into_iter().flatten()).chain(turn.into_iter().flatten());
@@ -166,13 +174,24 @@ pub(crate) fn duplicates(columns: &Instances) -> Vec<bool> {
             && columns.position[i] == columns.position[before]
             && scale == columns.scale.get(before)
             && turn == columns.orientation.get(before)
-            && columns.moved.as_ref().is_none_or(|(_, to)| to[i] == to[before]);
+            && columns.moved.as_ref().is_none_or(|(_, to)| to[i] == to[before])
+            && !(variables_count && columns.params.iter().any(|p| !has_one_value(p, i, before)));
         if same {
-            duplicate.resize(n, false);
-            duplicate[i] = true;
+            repeats.resize(n, 1);
+            repeats[before] += 1;
+            repeats[i] = 0;
         }
     }
-    duplicate
+    repeats
+}
+
+/// Whether two instances have one value of a variable.
+fn has_one_value(param: &Param, a: usize, b: usize) -> bool {
+    let width = param.decl.width();
+    match &param.values {
+        Values::Floats(v) => v.get(a * width..(a + 1) * width) == v.get(b * width..(b + 1) * width),
+        Values::Strings(v) => v.get(a) == v.get(b),
+    }
 }
 
 /// Mix the bits of a number.
@@ -217,6 +236,21 @@ pub(crate) fn instance_variables(columns: &Instances) -> impl Iterator<Item = &P
 }
 
 impl ItemView<'_> {
+    /// Colour and opacity of all that it stands for, one behind the other, from those of one.
+    pub fn repeated(&self, [color, opacity]: [[f32; 3]; 2]) -> [[f32; 3]; 2] {
+        if self.repeats <= 1 {
+            return [color, opacity];
+        }
+        let all = opacity.map(|o| {
+            let (o, n) = (f64::from(o.clamp(0.0, 1.0)), self.repeats);
+            let passes = (1.0 - o).powi(n as i32);
+            // The sum of what each before lets through.
+            let sum = if o > 1e-9 { (1.0 - passes) / o } else { n as f64 };
+            [sum as f32, (1.0 - passes) as f32]
+        });
+        [std::array::from_fn(|c| color[c] * all[c][0]), all.map(|[_, o]| o)]
+    }
+
     /// Its colour and opacity at a part of the time that the shutter is open.
     pub fn paint(&self, time: f32) -> ([f32; 3], [f32; 3]) {
         let a = self.attributes;
@@ -294,5 +328,25 @@ pub(crate) fn transform(values: &mut [f32], n: usize, ty: Type, m: &Mat4) {
             };
             (0..width).for_each(|c| element[c * n + k] = out[c]);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ri::{Class, InstanceShape};
+
+    #[test]
+    fn instances_in_one_place_are_counted_where_their_variables_are_the_same() {
+        let columns = Instances {
+            shape: InstanceShape::Sphere,
+            position: vec![[0.0; 3], [1.0; 3], [0.0; 3], [0.0; 3], [1.0; 3]],
+            orientation: vec![],
+            scale: vec![],
+            params: vec![Param::floats("k", Class::Uniform, Type::Float, vec![1.0, 2.0, 1.0, 3.0, 2.0])],
+            moved: None,
+        };
+        assert_eq!(repeats(&columns, false), [3, 2, 0, 0, 0]);
+        assert_eq!(repeats(&columns, true), [2, 2, 0, 1, 0]);
     }
 }

@@ -45,7 +45,7 @@ pub fn hide_twins(scene: &mut Scene) {
     }
     for source in hidden {
         let source = &mut scene.sources[source];
-        source.duplicates = vec![true; source.shape.n_instances()];
+        source.repeats = vec![0; source.shape.n_instances()];
     }
 }
 

@@ -91,8 +91,8 @@ impl Scene {
     /// All items, in order, but for those that are as others before them.
     pub fn items(&self) -> impl Iterator<Item = Item> + '_ {
         self.sources.iter().enumerate().flat_map(|(s, source)| {
-            let parts = if source.duplicates.is_empty() { 1 } else { source.len() / source.duplicates.len() };
-            let is_seen = move |i: &usize| source.duplicates.get(*i / parts) != Some(&true);
+            let parts = if source.repeats.is_empty() { 1 } else { source.len() / source.repeats.len() };
+            let is_seen = move |i: &usize| source.repeats.get(*i / parts) != Some(&0);
             (0..source.len()).filter(is_seen).map(move |i| Item { source: s as u32, index: i as u32 })
         })
     }
@@ -195,8 +195,20 @@ impl Scene {
         });
         let shift = shift.unwrap_or(Vec3::ZERO);
         let attached = &*source.attached[part];
-        let particle = self.is_particle(item);
-        ItemView { shape, to_world, object_to_world, attributes, color, source, attached, instance, shift, particle }
+        let (particle, repeats) = (self.is_particle(item), source.repeats_of(i));
+        ItemView {
+            shape,
+            to_world,
+            object_to_world,
+            attributes,
+            color,
+            source,
+            attached,
+            instance,
+            shift,
+            particle,
+            repeats,
+        }
     }
 
     /// The place of an item for shadows and bounds alone: shape and its matrix to world.

@@ -68,6 +68,13 @@ impl Job<'_> {
         eprintln!("warning: {}:{line}:{column}: {message}", self.doc.path.display());
     }
 
+    /// Warn of the keys of a map that are known and change nothing, each with what to do instead.
+    pub(super) fn no_effect(&self, key: &str, map: &Map, names: &[(&str, &str)]) {
+        for (name, instead) in names.iter().filter(|(name, _)| map.contains_key(*name)) {
+            self.warn(&format!("{key}.{name}"), &format!("`{name}` has no effect: {instead}"));
+        }
+    }
+
     /// Warn where the job calls Python, and say what to do instead.
     pub(super) fn no_python(&self, key: &str, instead: &str) {
         self.warn(key, &format!("calls Python, which is not run: {instead}"));

@@ -48,11 +48,24 @@ impl Source<'_> {
     /// The objects of an element, the `index`th of its list: one for each of its shapes.
     pub(super) fn objects(&mut self, key: &str, index: usize, value: &Value) -> Result<Vec<Drawn>, Fault> {
         let (job, table) = (self.job, self.table);
-        let known = ["name", "condition", "color", "geometry", "shader", "instanced", "attribute", "script", "range"];
+        let known = [
+            "name",
+            "condition",
+            "color",
+            "geometry",
+            "shader",
+            "instanced",
+            "attribute",
+            "script",
+            "range",
+            "changingparams",
+        ];
         let map = job.map(key, value, &known)?;
         if map.contains_key("script") {
             job.no_python(&format!("{key}.script"), "describe the shape as `geometry`, or make a RIB archive");
         }
+        job.no_effect(key, &map, &[("range", "`condition` says which rows are drawn")]);
+        let takes_sizes = is_true(map.get("changingparams"));
         let name = map.get("name").map(text).unwrap_or(format!("object{index}"));
         let select = map.get("condition").map(text).filter(|c| !c.trim().is_empty());
         let color = match map.get("color") {
@@ -75,7 +88,7 @@ impl Source<'_> {
                 job.no_python(&format!("{at}.script"), "make a RIB archive and use `type: archive`");
                 continue;
             }
-            shapes.push((None, self.geometry(&at, &shape)?));
+            shapes.push((None, self.geometry(&at, &shape, takes_sizes)?));
         }
         if shapes.is_empty() && table.is_exported() {
             // Every row says itself what it is.
@@ -150,8 +163,8 @@ impl Source<'_> {
         Ok(shapes)
     }
 
-    /// The shape of a `geometry`.
-    fn geometry(&mut self, key: &str, value: &Value) -> Result<Shape<String>, Fault> {
+    /// The shape of a `geometry`; `takes_sizes` if its object says that the data has its sizes.
+    fn geometry(&mut self, key: &str, value: &Value, takes_sizes: bool) -> Result<Shape<String>, Fault> {
         let job = self.job;
         let known = [
             "type",
@@ -179,7 +192,10 @@ impl Source<'_> {
         }
         let kind = map.get("type").map(text).unwrap_or_default();
         // With `changingparams` the columns ep1, ep2 … have the sizes, in the order of the names here.
-        let from_data = map.get("changingparams").is_some_and(|v| text(v) == "true");
+        let from_data = takes_sizes || is_true(map.get("changingparams"));
+        let idle =
+            [("dims", "the sizes are keys of their own, as `radius` of a sphere"), ("scale", "a RIB archive says it")];
+        job.no_effect(key, &map, &idle);
         let size = |k: usize, name: &str| -> Result<Size, Fault> {
             if from_data {
                 return Ok(Size::Column(format!("ep{k}")));
@@ -235,6 +251,11 @@ impl Source<'_> {
             }
         }
     }
+}
+
+/// Whether a key is there and true.
+fn is_true(value: Option<&Value>) -> bool {
+    value.is_some_and(|v| text(v) == "true")
 }
 
 /// An archive of the job's own.

@@ -41,6 +41,7 @@ pub fn check(root: &Value, doc: Document) -> Result<Binding, Fault> {
         root,
         &["rendersettings", "camera", "lighting", "scene", "renderpass", "simulation", "movie", "distributed"],
     )?;
+    say_idle(&job, &top)?;
     let mut passes = Vec::new();
     for (key, value) in job.list(&top, "renderpass")? {
         let map = job.map(&key, &value, &PASS)?;
@@ -67,6 +68,24 @@ pub fn check(root: &Value, doc: Document) -> Result<Binding, Fault> {
     }
     first.passes = all;
     Ok(first)
+}
+
+/// Warn of what a job says in vain of all its images.
+fn say_idle(job: &Job<'_>, top: &Map) -> Result<(), Fault> {
+    let movie = "`scree movie` makes a film of the images";
+    let idle = [("movie", movie), ("distributed", "`scree submit` spreads the frames over a cluster")];
+    job.no_effect(ROOT, top, &idle);
+    let Some((key, value)) = job.first(top, "rendersettings")? else { return Ok(()) };
+    let idle = [
+        ("out", "images are written to the folder of `-o`"),
+        ("fileformat", "an `output` of a `display` that ends in .exr makes EXR files, any other PNG files"),
+        ("padding", "files are named by the number of the frame, with six digits or more"),
+        ("renderer", "scree draws the images itself"),
+        ("verbosity", "`--verbose` says more"),
+        ("path", "files are looked for in `searchpaths`"),
+    ];
+    job.no_effect(&key, &job.map(&key, &value, &[])?, &idle);
+    Ok(())
 }
 
 /// What a job says of an image, not checked yet.
@@ -217,6 +236,13 @@ fn settings(job: &Job<'_>, key: &str, map: &Map, output: &mut Output) -> Result<
     let known = ["resolution", "shadingrate", "pixelsamples", "display", "searchpath", "bucket", "option", "attribute"];
     let inner =
         map.get("settings").map(|settings| job.map(&format!("{key}.settings"), settings, &known)).transpose()?;
+    let idle = [
+        ("searchpath", "files are looked for in `searchpaths` of `rendersettings`"),
+        ("bucket", "`Option \"limits\" \"bucketsize\"` in the scene says it"),
+    ];
+    if let Some(inner) = &inner {
+        job.no_effect(&format!("{key}.settings"), inner, &idle);
+    }
     // What stands in the pass itself counts as if it stood in its settings.
     for (at, map) in [(key.to_string(), Some(map)), (format!("{key}.settings"), inner.as_ref())] {
         let Some(map) = map else { continue };
@@ -234,6 +260,14 @@ fn settings(job: &Job<'_>, key: &str, map: &Map, output: &mut Output) -> Result<
             let name = map.get("output").map(text).unwrap_or_default();
             if name.ends_with(".exr") {
                 output.format = ImageFormat::Exr;
+            } else if !name.is_empty() && !name.ends_with(".png") {
+                let message =
+                    format!("images are written as PNG, named by the number of the frame, and not as `{name}`");
+                job.warn(&format!("{k}.output"), &message);
+            }
+            job.no_effect(&k, &map, &[("outtype", "the end of `output` says it: .exr or .png")]);
+            if map.get("mode").is_some_and(|mode| !matches!(text(mode).as_str(), "rgb" | "rgba")) {
+                job.no_effect(&k, &map, &[("mode", "colours are written, expected rgb or rgba")]);
             }
         }
     }

@@ -1,5 +1,6 @@
 //! Files that are read in place: RIB, and meshes.
 
+use crate::emit::directive::take_alone;
 use frame::mesh;
 use ri::files::Files;
 use ri::{Class, Fail, Param, Ri, RiResult, Type, reader};
@@ -19,7 +20,8 @@ pub(super) fn include(file: &str, files: &Files, ri: &mut dyn Ri) -> RiResult {
         return Err(Fail::new(message));
     }
     let (path, text) = files.read(file, &["scenes"]).map_err(Fail::new)?;
-    reader::read(&path, text.as_bytes(), files, ri, &mut |_, _| Ok(())).map_err(|e| Fail::new(format!("in {e}")))
+    reader::read(&path, text.as_bytes(), files, ri, &mut |_, directive| take_alone(directive).map(|_| None))
+        .map_err(|e| Fail::new(format!("in {e}")))
 }
 
 /// The polygons of a mesh, with the normals and texture coordinates that it has. Materials are the binding's.

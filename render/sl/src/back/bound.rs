@@ -47,6 +47,14 @@ impl BoundShader {
         })
     }
 
+    /// Whether it answers as another does wherever both run.
+    pub fn is_as(&self, other: &BoundShader) -> bool {
+        let same = |a: &BoundShader, b: &BoundShader| {
+            Arc::ptr_eq(&a.program, &b.program) && (&a.values, &a.space) == (&b.values, &b.space)
+        };
+        std::ptr::eq(self, other) || same(self, other)
+    }
+
     /// The value bound to a parameter, by slot.
     pub fn value(&self, slot: usize) -> Option<&Answer> {
         self.values[slot].as_ref()

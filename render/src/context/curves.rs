@@ -1,0 +1,92 @@
+//! Curves (RISpec 5.5): ribbons along their segments, with the variables of each.
+
+use crate::context::primitives::check_widths;
+use crate::context::state::Context;
+use crate::gprim::basis::BEZIER;
+use crate::gprim::curves::{self, Segment, curve, ribbon};
+use crate::gprim::variables::{Counts, Places, names_of, patch_variables, positions, too_few};
+use glam::Vec3;
+use ri::{Class, Fail, Param, Params, RiResult};
+
+impl Context {
+    /// Curves.
+    pub(super) fn draw_curves(&mut self, kind: &str, n_vertices: Vec<i32>, wrap: &str, params: Params) -> RiResult {
+        let (cubic, periodic) = match (kind, wrap) {
+            ("linear" | "cubic", "periodic" | "nonperiodic") => (kind == "cubic", wrap == "periodic"),
+            _ => {
+                return Err(Fail::new(format!(
+                    "curves `{kind}` `{wrap}`, expected linear or cubic, periodic or nonperiodic"
+                )));
+            }
+        };
+        let points = positions(&params)?;
+        let given = |name: &str| params.iter().find(|p| p.decl.name == name).filter(|p| !p.numbers().is_empty());
+        let (widths, constant, normals) = (given("width"), given("constantwidth"), given("N"));
+        check_widths(widths.or(constant))?;
+        let to_eye = self.transform.inverse()
+            * self
+                .to_camera
+                .ok_or(Fail::new("`Curves` stands outside the world, expected between WorldBegin and WorldEnd"))?
+                .inverse();
+        let eye = to_eye.transform_point3(Vec3::ZERO);
+        let along = to_eye.transform_vector3(Vec3::Z);
+        let perspective = self.options.fov.is_some();
+        let is_own = |p: &&Param| !matches!(p.decl.name.as_str(), "N" | "width" | "constantwidth");
+        let own: Params = params.iter().filter(is_own).cloned().collect();
+        let (mut at, mut value) = (0, 0);
+        let mut patches = Vec::new();
+        for (face, n) in n_vertices.iter().enumerate() {
+            let vertices = points.get(at..at + (*n).max(0) as usize);
+            let vertices = vertices.ok_or(Fail::new(format!("curve {face} has more vertices than \"P\"")))?;
+            let first = at;
+            at += vertices.len();
+            let curve = curve(vertices, cubic, periodic, &self.geometry.bases.1, self.geometry.steps[1])?;
+            let count = curve.segments.len() as f32;
+            for (k, Segment { control, ends, vertices }) in curve.segments.iter().enumerate() {
+                let ends = ends.map(|e| value + e);
+                let vertices = vertices.map(|i| first + i);
+                // Values of a parameter at the control points of the segment.
+                let values = |param: &Param, c: usize| -> Result<[f32; 4], Fail> {
+                    let (v, w) = (param.numbers(), param.decl.width());
+                    let at = |i: usize| v.get(i * w + c).copied().ok_or(too_few(param));
+                    if param.decl.class.is_whole() || v.len() == w {
+                        let own = if v.len() > w { face } else { 0 };
+                        return Ok([at(own)?; 4]);
+                    }
+                    if cubic && param.decl.class == Class::Vertex {
+                        let [p, q, r, s] = vertices.map(at);
+                        return Ok(curves::along([p?, q?, r?, s?], &self.geometry.bases.1));
+                    }
+                    let (a, b) = (at(ends[0])?, at(ends[1])?);
+                    Ok([0.0, 1.0, 2.0, 3.0].map(|k| a + (b - a) * k / 3.0))
+                };
+                let width = match widths.or(constant) {
+                    Some(param) => values(param, 0)?,
+                    None => [1.0; 4],
+                };
+                let normals = normals.map(|n| Ok([values(n, 0)?, values(n, 1)?, values(n, 2)?])).transpose()?;
+                let facing = |p: Vec3, part: f32| match &normals {
+                    // A ribbon lies across its normals; others face the eye.
+                    Some(n) => Vec3::from_array([0, 1, 2].map(|c| n[c][(3.0 * part) as usize])),
+                    _ if perspective => eye - p,
+                    _ => -along,
+                };
+                let range = [k as f32 / count, (k + 1) as f32 / count];
+                let mut patch = ribbon(control, width, range, facing);
+                let varying = [ends[0], ends[0], ends[1], ends[1]];
+                // Along the curve its own basis holds, across it what is the same there stays so.
+                let bases = (BEZIER, self.geometry.bases.1);
+                let vertex = cubic.then(|| (std::array::from_fn(|k| vertices[k / 4]), &bases));
+                patch_variables(&mut patch, &own, &Places { varying, corner: varying, face, vertex })?;
+                patches.push(patch);
+            }
+            value += curve.n_varying;
+        }
+        self.say_surplus(&params, Counts { uniform: n_vertices.len(), varying: value, vertex: at, facevarying: value });
+        if at < points.len() {
+            let n = points.len();
+            self.scene.warn(format!("\"P\" has {n} points, and the curves {at} vertices: those beyond are not used"));
+        }
+        self.add_patches(patches, names_of(&own))
+    }
+}
