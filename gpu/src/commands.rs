@@ -1,11 +1,13 @@
 //! Commands: dispatches, copies and clears, recorded once and submitted together any number of times, timed by stage.
 
-use crate::buffer::{Bound, Buffer, ReadBack};
+use crate::buffer::{Bound, Buffer};
 use crate::device::Device;
 use crate::error::GpuError;
 use crate::kernel::Kernel;
 use crate::pace::{Key, Unit};
 use bytemuck::Pod;
+use std::sync::PoisonError;
+use std::sync::mpsc::{Receiver, channel};
 use std::time::Instant;
 
 /// The most workgroups in one dimension of a dispatch; longer ones go on in the second.
@@ -84,7 +86,7 @@ impl Commands {
                 mapped_at_creation: false,
             });
             // Written rather than mapped: what a lost device makes cannot be mapped, which only the next check may tell.
-            device.queue.write_buffer(&raw, 0, bytemuck::cast_slice(params));
+            device.write(&raw, 0, bytemuck::cast_slice(params));
             raw
         });
         let params = constants.as_ref().map(|raw| Bound { raw, name: "params", width: 4 });
@@ -159,7 +161,7 @@ impl Commands {
             .flat_map(|(k, own)| own.chunk_by(|a, b| a.1.key.0 == b.1.key.0).map(move |units| (k, units)))
             .collect();
         let is_timed = device.has_timestamps && (1..=MAX_TIMED).contains(&spans.len());
-        let times = if is_timed { Some(Times::new(device, spans.len())?) } else { None };
+        let times = is_timed.then(|| Times::new(device, spans.len()));
         let mut next = 0;
         for (k, submission) in plan.iter().enumerate() {
             let mut encoder = device.raw.create_command_encoder(&Default::default());
@@ -178,7 +180,7 @@ impl Commands {
                 device.wait()?;
             }
             let started = Instant::now();
-            device.queue.submit([encoder.finish()]);
+            device.submit(encoder.finish());
             if waits {
                 device.wait()?;
                 let (seconds, units) = (started.elapsed().as_secs_f64(), units_of(submission));
@@ -187,8 +189,20 @@ impl Commands {
             }
         }
         let spans = spans.into_iter().map(|(submission, own)| Span { submission, units: units_of(own) }).collect();
-        let ticks = times.map(|t| t.read_back(device)).transpose()?;
+        let ticks = times.map(Times::read_back);
         Ok(Timings { spans, ticks, is_observed: true })
+    }
+
+    /// Submit all commands as [`Commands::submit`] does, whose times [`Device::settle`] takes.
+    ///
+    /// # Errors
+    /// Those of [`Device::check`].
+    pub fn send(&self, device: &Device) -> Result<(), GpuError> {
+        let timings = self.submit(device)?;
+        if timings.ticks.is_some() {
+            device.unsettled.lock().unwrap_or_else(PoisonError::into_inner).push(timings);
+        }
+        Ok(())
     }
 
     /// Tell that the commands have taken this time, s, where that is not to be had from their timings: see [`Timings::unobserved`].
@@ -289,26 +303,56 @@ fn transfer(encoder: &mut wgpu::CommandEncoder, command: &Command) {
 /// Timestamps at the beginning and the end of each span of commands.
 struct Times {
     set: wgpu::QuerySet,
-    ticks: Buffer<u64>,
     resolved: wgpu::Buffer,
+    staging: wgpu::Buffer,
     n: u32,
 }
 
+/// Timestamps on their way back.
+struct Ticks {
+    staging: wgpu::Buffer,
+    mapped: Receiver<Result<(), String>>,
+}
+
+impl Ticks {
+    /// The timestamps; waits for them.
+    fn wait(self, device: &Device) -> Result<Vec<u64>, GpuError> {
+        let result = match self.mapped.try_recv() {
+            Ok(result) => result,
+            Err(_) => {
+                device.wait()?;
+                self.mapped.recv().map_err(|_| GpuError::Device("a transfer was dropped".into()))?
+            }
+        };
+        if result.is_err() {
+            device.check()?;
+        }
+        result.map_err(GpuError::Device)?;
+        let view = self.staging.get_mapped_range(..).map_err(|e| GpuError::Device(e.to_string()))?;
+        Ok(bytemuck::pod_collect_to_vec(&view))
+    }
+}
+
 impl Times {
-    fn new(device: &Device, n_spans: usize) -> Result<Times, GpuError> {
+    fn new(device: &Device, n_spans: usize) -> Times {
         let n = 2 * n_spans as u32;
         let set = device.raw.create_query_set(&wgpu::QuerySetDescriptor {
             label: Some("stages"),
             ty: wgpu::QueryType::Timestamp,
             count: n,
         });
-        let resolved = device.raw.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("stages"),
-            size: n as u64 * 8,
-            usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        Ok(Times { set, ticks: Buffer::zeros(device, "stages", n as usize)?, resolved, n })
+        let buffer = |usage| {
+            let size = u64::from(n) * 8;
+            device.raw.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("stages"),
+                size,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        use wgpu::BufferUsages as Usage;
+        let resolved = buffer(Usage::QUERY_RESOLVE | Usage::COPY_SRC);
+        Times { set, resolved, staging: buffer(Usage::MAP_READ | Usage::COPY_DST), n }
     }
 
     fn of_span(&self, span: usize) -> (&wgpu::QuerySet, u32) {
@@ -317,18 +361,24 @@ impl Times {
 
     fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
         encoder.resolve_query_set(&self.set, 0..self.n, &self.resolved, 0);
-        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.ticks.raw, 0, self.n as u64 * 8);
+        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.staging, 0, u64::from(self.n) * 8);
     }
 
-    fn read_back(&self, device: &Device) -> Result<ReadBack<u64>, GpuError> {
-        self.ticks.read_back(device, self.n as usize)
+    /// Begin to read them, after what resolves them is submitted.
+    fn read_back(self) -> Ticks {
+        let (send, mapped) = channel();
+        self.staging.map_async(wgpu::MapMode::Read, .., move |result| {
+            // The reader may have gone.
+            let _ = send.send(result.map_err(|e| e.to_string()));
+        });
+        Ticks { staging: self.staging, mapped }
     }
 }
 
 /// The times of the stages of submitted commands.
 pub struct Timings {
     spans: Vec<Span>,
-    ticks: Option<ReadBack<u64>>,
+    ticks: Option<Ticks>,
     /// Whether later submissions are cut by these times.
     is_observed: bool,
 }
@@ -337,6 +387,22 @@ pub struct Timings {
 struct Span {
     submission: usize,
     units: Vec<Unit>,
+}
+
+impl Device {
+    /// Wait for what [`Commands::send`] has submitted since this was last called; the time of each stage on the device, s: none where it
+    /// takes no times.
+    ///
+    /// # Errors
+    /// Those of [`Device::check`].
+    pub fn settle(&self) -> Result<Vec<(&'static str, f64)>, GpuError> {
+        let sent = std::mem::take(&mut *self.unsettled.lock().unwrap_or_else(PoisonError::into_inner));
+        let mut all = vec![];
+        for timings in sent {
+            all.extend(timings.wait(self)?.unwrap_or_default());
+        }
+        Ok(all)
+    }
 }
 
 impl Timings {

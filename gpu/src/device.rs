@@ -1,10 +1,12 @@
 //! The device: an adapter opened without a window, its queue, and its faults.
 
 use crate::adapter::{Adapter, Choice, USED, choose};
+use crate::commands::Timings;
 use crate::error::GpuError;
 use crate::pace::Pace;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 
 /// A message that a callback of the device leaves.
 type Message = Arc<Mutex<Option<String>>>;
@@ -24,7 +26,42 @@ pub struct Device {
     /// Held while errors are caught: those of all threads go into one stack of scopes.
     scopes: Mutex<()>,
     pace: Mutex<Pace>,
+    traffic: Mutex<Traffic>,
+    /// Times of commands that have not been waited for.
+    pub(crate) unsettled: Mutex<Vec<Timings>>,
     pub(crate) memory: Arc<Memory>,
+}
+
+/// What has gone between the processor and a device so far, and the time of the processor that it took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Traffic {
+    /// Count of submissions to the queue.
+    pub submissions: u64,
+    /// Count of waits for the device.
+    pub waits: u64,
+    /// Bytes written to buffers.
+    pub bytes_written: u64,
+    /// Bytes read from them.
+    pub bytes_read: u64,
+    /// Time waited for the device, s.
+    pub wait_seconds: f64,
+    /// Time in which kernels were compiled, s.
+    pub compile_seconds: f64,
+}
+
+impl std::ops::Sub for Traffic {
+    type Output = Traffic;
+
+    fn sub(self, o: Traffic) -> Traffic {
+        Traffic {
+            submissions: self.submissions - o.submissions,
+            waits: self.waits - o.waits,
+            bytes_written: self.bytes_written - o.bytes_written,
+            bytes_read: self.bytes_read - o.bytes_read,
+            wait_seconds: self.wait_seconds - o.wait_seconds,
+            compile_seconds: self.compile_seconds - o.compile_seconds,
+        }
+    }
 }
 
 /// Bytes of the buffers of a device.
@@ -101,8 +138,21 @@ impl Device {
         raw.on_uncaptured_error(Arc::new(move |error: wgpu::Error| leave(&note, error.to_string())));
         let subgroup = adapter.subgroup;
         let has_timestamps = features.contains(wgpu::Features::TIMESTAMP_QUERY);
-        let (scopes, pace, memory) = Default::default();
-        Ok(Device { adapter, raw, queue, subgroup, has_timestamps, lost, fault, scopes, pace, memory })
+        let (scopes, pace, memory, traffic, unsettled) = Default::default();
+        Ok(Device {
+            adapter,
+            raw,
+            queue,
+            subgroup,
+            has_timestamps,
+            lost,
+            fault,
+            scopes,
+            pace,
+            traffic,
+            unsettled,
+            memory,
+        })
     }
 
     /// The most bytes that buffers have taken together.
@@ -118,6 +168,32 @@ impl Device {
     /// Let buffers take no more bytes together than these.
     pub fn limit_memory(&self, bytes: u64) {
         self.memory.limit.store(bytes, Ordering::Relaxed);
+    }
+
+    /// Whether commands are timed by the clock of the device.
+    pub fn has_timer(&self) -> bool {
+        self.has_timestamps
+    }
+
+    /// What has gone between the processor and the device so far.
+    pub fn traffic(&self) -> Traffic {
+        *self.traffic.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(crate) fn count(&self, add: impl FnOnce(&mut Traffic)) {
+        add(&mut self.traffic.lock().unwrap_or_else(PoisonError::into_inner));
+    }
+
+    /// Submit commands to the queue.
+    pub(crate) fn submit(&self, commands: wgpu::CommandBuffer) {
+        self.count(|traffic| traffic.submissions += 1);
+        self.queue.submit([commands]);
+    }
+
+    /// Write bytes to a buffer, before any command that is submitted later.
+    pub(crate) fn write(&self, buffer: &wgpu::Buffer, start: u64, bytes: &[u8]) {
+        self.count(|traffic| traffic.bytes_written += bytes.len() as u64);
+        self.queue.write_buffer(buffer, start, bytes);
     }
 
     pub(crate) fn pace(&self) -> MutexGuard<'_, Pace> {
@@ -165,7 +241,12 @@ impl Device {
     /// # Errors
     /// Those of [`Device::check`].
     pub fn wait(&self) -> Result<(), GpuError> {
+        let start = Instant::now();
         let done = self.raw.poll(wgpu::PollType::wait_indefinitely());
+        self.count(|traffic| {
+            traffic.waits += 1;
+            traffic.wait_seconds += start.elapsed().as_secs_f64();
+        });
         self.check()?;
         done.map(|_| ()).map_err(|e| GpuError::Device(e.to_string()))
     }

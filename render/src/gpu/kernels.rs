@@ -1,10 +1,11 @@
 //! The kernels of a frame, compiled once for a device.
 
-use gpu::{Device, GpuError, Kernel, Kernels, Part, Work};
+use gpu::{Commands, Device, GpuError, Kernel, Kernels, Part, Work};
 
 /// Parts that kernels import.
 const PARTS: &[Part<'static>] = &[
     ("exact", include_str!("exact.wgsl")),
+    ("cap", include_str!("cap.wgsl")),
     ("triangle", include_str!("triangle.wgsl")),
     ("raster", include_str!("raster.wgsl")),
     ("layer_ids", include_str!("layer_ids.wgsl")),
@@ -52,6 +53,8 @@ macro_rules! kernels {
 /// The kernels of a frame, but for those of shaders.
 pub struct FrameKernels {
     pub clear_samples: Kernel,
+    pub cap_dice: Kernel,
+    pub cap_points: Kernel,
     pub sample_depth: Kernel,
     pub uncover: Kernel,
     pub sample_id: Kernel,
@@ -73,7 +76,7 @@ impl FrameKernels {
     /// Those of [`Kernels::get`].
     pub fn new(device: &Device, kernels: &Kernels) -> Result<FrameKernels, GpuError> {
         Ok(
-            kernels!(FrameKernels, device kernels: clear_samples, sample_depth, uncover, sample_id, block_depth, visible_points, point_colors, relay,
+            kernels!(FrameKernels, device kernels: clear_samples, cap_dice, cap_points, sample_depth, uncover, sample_id, block_depth, visible_points, point_colors, relay,
             sample_colors, blur_depth, blur_id, blur_colors, filter),
         )
     }
@@ -130,4 +133,11 @@ impl OutputKernels {
 /// Workgroups of `size` invocations for `n` of them.
 pub fn groups(n: usize, size: usize) -> Work<'static> {
     Work::Groups(n.div_ceil(size) as u32)
+}
+
+/// Commands of a stage of a frame, as its time on the device is told.
+pub fn staged(stage: &'static str) -> Commands {
+    let mut commands = Commands::new();
+    commands.stage(stage);
+    commands
 }
