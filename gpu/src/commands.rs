@@ -173,7 +173,7 @@ impl Commands {
                 next += 1;
             }
             if let Some(times) = times.as_ref().filter(|_| k + 1 == plan.len()) {
-                times.resolve(&mut encoder);
+                times.resolve(&mut encoder, spans.len());
             }
             let waits = !is_timed && device.pace().is_due(submission);
             if waits {
@@ -188,8 +188,8 @@ impl Commands {
                 device.pace().submission(seconds);
             }
         }
+        let ticks = times.map(|times| times.read_back(spans.len()));
         let spans = spans.into_iter().map(|(submission, own)| Span { submission, units: units_of(own) }).collect();
-        let ticks = times.map(Times::read_back);
         Ok(Timings { spans, ticks, is_observed: true })
     }
 
@@ -301,17 +301,66 @@ fn transfer(encoder: &mut wgpu::CommandEncoder, command: &Command) {
 }
 
 /// Timestamps at the beginning and the end of each span of commands.
-struct Times {
+#[derive(Debug)]
+pub(crate) struct Times {
     set: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     staging: wgpu::Buffer,
-    n: u32,
+    /// The most spans.
+    capacity: usize,
 }
 
 /// Timestamps on their way back.
 struct Ticks {
-    staging: wgpu::Buffer,
+    times: Times,
+    n_spans: usize,
     mapped: Receiver<Result<(), String>>,
+}
+
+impl Times {
+    /// For so many spans: such as have served before, or new ones.
+    fn new(device: &Device, n_spans: usize) -> Times {
+        let mut spare = device.spare_times.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(k) = spare.iter().position(|times| times.capacity >= n_spans) {
+            return spare.swap_remove(k);
+        }
+        drop(spare);
+        let capacity = n_spans.next_power_of_two().clamp(8, MAX_TIMED);
+        let count = 2 * capacity as u32;
+        let set = device.raw.create_query_set(&wgpu::QuerySetDescriptor {
+            label: Some("stages"),
+            ty: wgpu::QueryType::Timestamp,
+            count,
+        });
+        let buffer = |usage| {
+            let size = u64::from(count) * 8;
+            let label = Some("stages");
+            device.raw.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })
+        };
+        use wgpu::BufferUsages as Usage;
+        let resolved = buffer(Usage::QUERY_RESOLVE | Usage::COPY_SRC);
+        Times { set, resolved, staging: buffer(Usage::MAP_READ | Usage::COPY_DST), capacity }
+    }
+
+    fn of_span(&self, span: usize) -> (&wgpu::QuerySet, u32) {
+        (&self.set, 2 * span as u32)
+    }
+
+    fn resolve(&self, encoder: &mut wgpu::CommandEncoder, n_spans: usize) {
+        let n = 2 * n_spans as u32;
+        encoder.resolve_query_set(&self.set, 0..n, &self.resolved, 0);
+        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.staging, 0, u64::from(n) * 8);
+    }
+
+    /// Begin to read them, after what resolves them is submitted.
+    fn read_back(self, n_spans: usize) -> Ticks {
+        let (send, mapped) = channel();
+        self.staging.map_async(wgpu::MapMode::Read, .., move |result| {
+            // The reader may have gone.
+            let _ = send.send(result.map_err(|e| e.to_string()));
+        });
+        Ticks { times: self, n_spans, mapped }
+    }
 }
 
 impl Ticks {
@@ -328,50 +377,14 @@ impl Ticks {
             device.check()?;
         }
         result.map_err(GpuError::Device)?;
-        let view = self.staging.get_mapped_range(..).map_err(|e| GpuError::Device(e.to_string()))?;
-        Ok(bytemuck::pod_collect_to_vec(&view))
-    }
-}
-
-impl Times {
-    fn new(device: &Device, n_spans: usize) -> Times {
-        let n = 2 * n_spans as u32;
-        let set = device.raw.create_query_set(&wgpu::QuerySetDescriptor {
-            label: Some("stages"),
-            ty: wgpu::QueryType::Timestamp,
-            count: n,
-        });
-        let buffer = |usage| {
-            let size = u64::from(n) * 8;
-            device.raw.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("stages"),
-                size,
-                usage,
-                mapped_at_creation: false,
-            })
+        let staging = &self.times.staging;
+        let ticks = {
+            let view = staging.get_mapped_range(..).map_err(|e| GpuError::Device(e.to_string()))?;
+            bytemuck::pod_collect_to_vec(&view[..16 * self.n_spans])
         };
-        use wgpu::BufferUsages as Usage;
-        let resolved = buffer(Usage::QUERY_RESOLVE | Usage::COPY_SRC);
-        Times { set, resolved, staging: buffer(Usage::MAP_READ | Usage::COPY_DST), n }
-    }
-
-    fn of_span(&self, span: usize) -> (&wgpu::QuerySet, u32) {
-        (&self.set, 2 * span as u32)
-    }
-
-    fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
-        encoder.resolve_query_set(&self.set, 0..self.n, &self.resolved, 0);
-        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.staging, 0, u64::from(self.n) * 8);
-    }
-
-    /// Begin to read them, after what resolves them is submitted.
-    fn read_back(self) -> Ticks {
-        let (send, mapped) = channel();
-        self.staging.map_async(wgpu::MapMode::Read, .., move |result| {
-            // The reader may have gone.
-            let _ = send.send(result.map_err(|e| e.to_string()));
-        });
-        Ticks { staging: self.staging, mapped }
+        staging.unmap();
+        device.spare_times.lock().unwrap_or_else(PoisonError::into_inner).push(self.times);
+        Ok(ticks)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The device: an adapter opened without a window, its queue, and its faults.
 
 use crate::adapter::{Adapter, Choice, USED, choose};
-use crate::commands::Timings;
+use crate::commands::{Times, Timings};
 use crate::error::GpuError;
 use crate::pace::Pace;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -29,6 +29,8 @@ pub struct Device {
     traffic: Mutex<Traffic>,
     /// Times of commands that have not been waited for.
     pub(crate) unsettled: Mutex<Vec<Timings>>,
+    /// Timestamps that serve again.
+    pub(crate) spare_times: Mutex<Vec<Times>>,
     pub(crate) memory: Arc<Memory>,
 }
 
@@ -138,7 +140,7 @@ impl Device {
         raw.on_uncaptured_error(Arc::new(move |error: wgpu::Error| leave(&note, error.to_string())));
         let subgroup = adapter.subgroup;
         let has_timestamps = features.contains(wgpu::Features::TIMESTAMP_QUERY);
-        let (scopes, pace, memory, traffic, unsettled) = Default::default();
+        let (scopes, pace, memory, traffic, unsettled, spare_times) = Default::default();
         Ok(Device {
             adapter,
             raw,
@@ -151,6 +153,7 @@ impl Device {
             pace,
             traffic,
             unsettled,
+            spare_times,
             memory,
         })
     }

@@ -1,7 +1,7 @@
 //! Tiles of spheres' caps that the device dices: what it is given of each, and of those of them that are shaded.
 
 use crate::cpu::frame::Frame;
-use crate::gprim::sphere::tile::{CapTile, eighths};
+use crate::gprim::sphere::tile::CapTile;
 use crate::gpu::front::Diced;
 use crate::gpu::kernels::{FrameKernels, groups, staged};
 use crate::gpu::samples::Samples;
@@ -16,7 +16,6 @@ pub struct Caps {
     rows: Buffer<[u32; 4]>,
     rings: Buffer<[f32; 2]>,
     matrices: Buffer<[f32; 4]>,
-    disk: Buffer<[f32; 2]>,
     /// Least depths.
     least: Buffer<u32>,
     /// Tiles that were hidden, and micropolygons that are not there.
@@ -55,7 +54,6 @@ impl Caps {
             rows: Buffer::zeros(device, "caps", 1)?,
             rings: Buffer::zeros(device, "rings", 1)?,
             matrices: Buffer::of(device, "matrices to camera space", &camera)?,
-            disk: Buffer::of(device, "points on a disk", &eighths())?,
             least: Buffer::zeros(device, "least depths of caps", 1)?,
             left_out: Buffer::zeros(device, "hidden caps", 2)?,
             n: 0,
@@ -138,7 +136,7 @@ impl Caps {
         let bound = [
             self.rows.bind(),
             self.rings.bind(),
-            self.disk.bind(),
+            kernels.disk.bind(),
             self.matrices.bind(),
             samples.blocks.bind(),
             samples.points.bind(),
@@ -168,7 +166,7 @@ impl Caps {
         let bound = [
             self.rows.bind(),
             self.rings.bind(),
-            self.disk.bind(),
+            kernels.disk.bind(),
             self.least.bind(),
             given.bind(),
             listed.bind(),

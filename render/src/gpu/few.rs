@@ -136,7 +136,7 @@ impl<'k> Few<'k> {
         let whole = view.attributes.reads_neighbours();
         let mut gathered = std::mem::take(&mut self.gathered);
         if whole {
-            gathered = grid.points.clone();
+            gathered = (*grid.points).clone();
         } else {
             gather(&grid.points, view.attached.n_uniform, &self.wanted, &mut gathered);
         }

@@ -26,8 +26,8 @@ use std::cmp::Ordering;
 pub struct Diced {
     /// The item that it is of.
     pub item: Item,
-    /// Its points, displaced; without P and N if the device dices it.
-    pub points: Points,
+    /// Its points, displaced; without P and N if the device dices it. They are large, and grids are sorted.
+    pub points: Box<Points>,
     /// What the device dices it of, if it does.
     pub cap: Option<Box<Cap>>,
     /// Raster x and y, pixels, and depth of each point, at each moment of the item; none if the device dices it.
@@ -277,7 +277,7 @@ impl Sink for Taken<'_> {
         let to_camera = if instants.len() > 1 { instants.iter().map(|at| at.to_camera).collect() } else { vec![] };
         let own = Diced {
             item,
-            points: std::mem::take(&mut grid.points),
+            points: Box::new(std::mem::take(&mut grid.points)),
             cap: Some(Box::new(Cap { tile, to_camera })),
             raster: vec![],
             keys: keys(instants),
@@ -313,7 +313,7 @@ impl Sink for Taken<'_> {
         let motion = if is_moved { self.raster.motion().collect() } else { vec![] };
         self.diced.push(Diced {
             item,
-            points: std::mem::take(&mut grid.points),
+            points: Box::new(std::mem::take(&mut grid.points)),
             cap: None,
             raster: std::mem::take(&mut self.raster.at),
             keys: keys(instants),

@@ -124,6 +124,16 @@ impl<'a> Samples<'a> {
         self.n_places
     }
 
+    /// Make room for so many points and their micropolygons, which are known to come.
+    ///
+    /// # Errors
+    /// Those of [`Buffer::reserve`].
+    pub fn expect(&mut self, n_points: usize) -> Result<(), GpuError> {
+        self.points.reserve(self.device, n_points)?;
+        self.micropolygons.reserve(self.device, n_points)?;
+        Ok(())
+    }
+
     /// Sample the micropolygons of grids; the depths of the window's blocks are what they are then.
     ///
     /// # Errors
