@@ -5,9 +5,9 @@ use crate::device::Device;
 use crate::error::GpuError;
 use crate::kernel::Kernel;
 use crate::pace::{Key, Unit};
+use crate::times::{MAX_TIMED, Span, Ticks, Times, Timings};
 use bytemuck::Pod;
 use std::sync::PoisonError;
-use std::sync::mpsc::{Receiver, channel};
 use std::time::Instant;
 
 /// The most workgroups in one dimension of a dispatch; longer ones go on in the second.
@@ -15,9 +15,6 @@ const MAX_GROUPS: u32 = 65_535;
 
 /// The most bytes that a command copies or clears: longer runs are several commands, so that none keeps a device for long.
 const MOST_BYTES: u64 = 1 << 24;
-
-/// The most spans that are timed, by the limit of a query set.
-const MAX_TIMED: usize = wgpu::QUERY_SET_MAX_QUERIES as usize / 2;
 
 /// The number of workgroups of a dispatch.
 #[derive(Clone, Copy, Debug)]
@@ -161,7 +158,7 @@ impl Commands {
             .flat_map(|(k, own)| own.chunk_by(|a, b| a.1.key.0 == b.1.key.0).map(move |units| (k, units)))
             .collect();
         let is_timed = device.has_timestamps && (1..=MAX_TIMED).contains(&spans.len());
-        let times = is_timed.then(|| Times::new(device, spans.len()));
+        let times = is_timed.then(|| Times::new(&device.raw, &device.spare_times, spans.len()));
         let mut next = 0;
         for (k, submission) in plan.iter().enumerate() {
             let mut encoder = device.raw.create_command_encoder(&Default::default());
@@ -300,69 +297,6 @@ fn transfer(encoder: &mut wgpu::CommandEncoder, command: &Command) {
     }
 }
 
-/// Timestamps at the beginning and the end of each span of commands.
-#[derive(Debug)]
-pub(crate) struct Times {
-    set: wgpu::QuerySet,
-    resolved: wgpu::Buffer,
-    staging: wgpu::Buffer,
-    /// The most spans.
-    capacity: usize,
-}
-
-/// Timestamps on their way back.
-struct Ticks {
-    times: Times,
-    n_spans: usize,
-    mapped: Receiver<Result<(), String>>,
-}
-
-impl Times {
-    /// For so many spans: such as have served before, or new ones.
-    fn new(device: &Device, n_spans: usize) -> Times {
-        let mut spare = device.spare_times.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(k) = spare.iter().position(|times| times.capacity >= n_spans) {
-            return spare.swap_remove(k);
-        }
-        drop(spare);
-        let capacity = n_spans.next_power_of_two().clamp(8, MAX_TIMED);
-        let count = 2 * capacity as u32;
-        let set = device.raw.create_query_set(&wgpu::QuerySetDescriptor {
-            label: Some("stages"),
-            ty: wgpu::QueryType::Timestamp,
-            count,
-        });
-        let buffer = |usage| {
-            let size = u64::from(count) * 8;
-            let label = Some("stages");
-            device.raw.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })
-        };
-        use wgpu::BufferUsages as Usage;
-        let resolved = buffer(Usage::QUERY_RESOLVE | Usage::COPY_SRC);
-        Times { set, resolved, staging: buffer(Usage::MAP_READ | Usage::COPY_DST), capacity }
-    }
-
-    fn of_span(&self, span: usize) -> (&wgpu::QuerySet, u32) {
-        (&self.set, 2 * span as u32)
-    }
-
-    fn resolve(&self, encoder: &mut wgpu::CommandEncoder, n_spans: usize) {
-        let n = 2 * n_spans as u32;
-        encoder.resolve_query_set(&self.set, 0..n, &self.resolved, 0);
-        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.staging, 0, u64::from(n) * 8);
-    }
-
-    /// Begin to read them, after what resolves them is submitted.
-    fn read_back(self, n_spans: usize) -> Ticks {
-        let (send, mapped) = channel();
-        self.staging.map_async(wgpu::MapMode::Read, .., move |result| {
-            // The reader may have gone.
-            let _ = send.send(result.map_err(|e| e.to_string()));
-        });
-        Ticks { times: self, n_spans, mapped }
-    }
-}
-
 impl Ticks {
     /// The timestamps; waits for them.
     fn wait(self, device: &Device) -> Result<Vec<u64>, GpuError> {
@@ -386,20 +320,6 @@ impl Ticks {
         device.spare_times.lock().unwrap_or_else(PoisonError::into_inner).push(self.times);
         Ok(ticks)
     }
-}
-
-/// The times of the stages of submitted commands.
-pub struct Timings {
-    spans: Vec<Span>,
-    ticks: Option<Ticks>,
-    /// Whether later submissions are cut by these times.
-    is_observed: bool,
-}
-
-/// Commands of the same stage in a submission.
-struct Span {
-    submission: usize,
-    units: Vec<Unit>,
 }
 
 impl Device {

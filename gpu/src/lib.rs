@@ -22,13 +22,15 @@ pub mod radix_sort;
 pub mod reduce;
 pub mod scan;
 pub mod segments;
+mod times;
 
 pub use adapter::{Adapter, Choice, adapters, may_have_hardware};
 pub use bandwidth::copy_bandwidth;
 pub use buffer::{Bound, Buffer, ReadBack};
 pub use bytemuck::Pod;
-pub use commands::{Commands, Timings, Work};
+pub use commands::{Commands, Work};
 pub use count::{BLOCK, Count, Groups};
 pub use device::{Device, Traffic};
 pub use error::GpuError;
 pub use kernel::{Kernel, Kernels, Part};
+pub use times::Timings;

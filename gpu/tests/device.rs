@@ -214,15 +214,15 @@ fn what_keeps_a_device_long_is_cut_into_submissions() {
 fn traffic_is_counted_and_sent_commands_are_timed() {
     for Bench { device, kernels } in benches().take(1) {
         let before = device.traffic();
-        let double = kernels.get(&device, "double", DOUBLE, &[]).unwrap();
-        let values = Buffer::of(&device, "values", &[3u32; 100]).unwrap();
+        let double = kernels.get(device, "double", DOUBLE, &[]).unwrap();
+        let values = Buffer::of(device, "values", &[3u32; 100]).unwrap();
         for _ in 0..3 {
             let mut commands = Commands::new();
             commands.stage("double");
-            commands.dispatch(&device, &double, &[values.bind()], &[2], Work::Groups(2));
-            commands.send(&device).unwrap();
+            commands.dispatch(device, &double, &[values.bind()], &[2], Work::Groups(2));
+            commands.send(device).unwrap();
         }
-        assert_eq!(values.read(&device, 100).unwrap(), [24; 100]);
+        assert_eq!(values.read(device, 100).unwrap(), [24; 100]);
         let spent = device.traffic() - before;
         assert_eq!((spent.bytes_written, spent.bytes_read), (400 + 3 * 4, 400));
         assert!(spent.submissions >= 4 && spent.waits >= 1 && spent.wait_seconds >= 0.0, "{spent:?}");

@@ -442,12 +442,17 @@ impl<'a> Drawing<'a> {
             if !(0..height as i64).contains(&y) {
                 return;
             }
+            // Neighbours often see the same.
+            let mut last = (u32::MAX, 0);
             for (k, own) in row.iter_mut().enumerate() {
                 let x = (k / n) as i64 - window.corner[0];
                 let sample = (y as usize * width + x.max(0) as usize) * n + k % n;
                 let id = visible.get(sample).filter(|_| (0..width as i64).contains(&x) && sample >= first);
                 if let Some(id) = id.filter(|id| **id != u32::MAX) {
-                    *own = of(*id);
+                    if last.0 != *id {
+                        last = (*id, of(*id));
+                    }
+                    *own = last.1;
                 }
             }
         });

@@ -257,32 +257,34 @@ impl<'a> Shaders<'a> {
         let n_parts = own.len().div_ceil(LEAST).min(rayon::current_num_threads());
         let prepare = |part: &[Wanted]| Prepared::new(frame, look, grids, (part, wanted), goal.outputs.is_some());
         let parts: Vec<_> = own.par_chunks(own.len().div_ceil(n_parts)).map(prepare).collect();
-        let mut status = vec![];
+        // What the kernels of all parts find wrong.
+        let status = |kernel: &Kernel| Buffer::<u32>::zeros(self.device, "status", kernel.n_status());
+        let status = [status(&look.kernel)?, status(look.through.as_ref().unwrap_or(&look.kernel))?];
         for part in parts {
             let part = part?;
             stats.shaded_points += part.few.points.len() as u64;
-            self.run_part(frame, look, &part, goal, &mut status)?;
+            self.run_part(frame, look, &part, goal, &status)?;
         }
-        for status in status {
-            let (kernel, status): (&Kernel, Buffer<u32>) = status;
-            if let Some(fault) = kernel.faults(&status.read(self.device, status.capacity())?).first() {
+        for (kernel, status) in [Some(&look.kernel), look.through.as_ref()].into_iter().zip(&status) {
+            let Some(kernel) = kernel else { continue };
+            if let Some(fault) = kernel.faults(&status.read(self.device, kernel.n_status())?).first() {
                 return Err(Refusal::of_fault(fault));
             }
         }
         Ok(())
     }
 
-    /// Run the kernels of a look over some points, and take what they find; `status` gets what tells their faults.
-    fn run_part<'l>(
+    /// Run the kernels of a look over some points, and take what they find; `status` takes their faults.
+    fn run_part(
         &self,
         frame: &Frame<'_>,
-        look: &'l Look,
+        look: &Look,
         part: &Prepared<'_>,
         goal: Goal<'_>,
-        status: &mut Vec<(&'l Kernel, Buffer<u32>)>,
+        status: &[Buffer<u32>; 2],
     ) -> Result<(), Refusal> {
         let Prepared { batch, later, few } = part;
-        let results = self.dispatch(frame, (&look.kernel, batch), Before::Caps(few, goal.caps), status)?;
+        let results = self.dispatch(frame, (&look.kernel, batch), Before::Caps(few, goal.caps), &status[0])?;
         self.take_given(few, look, goal)?;
         self.take(&look.kernel, batch, few, &results, (look, 0), goal)?;
         if let Some(outputs) = goal.outputs {
@@ -293,19 +295,19 @@ impl<'a> Shaders<'a> {
         if let (Some(kernel), Some(later)) = (&look.through, later) {
             // What the atmosphere leaves is as the surface has it.
             let runs = few.relays(batch, &look.kernel, later);
-            let passed = self.dispatch(frame, (kernel, later), Before::Surface(&results, &runs), status)?;
+            let passed = self.dispatch(frame, (kernel, later), Before::Surface(&results, &runs), &status[1])?;
             self.take(kernel, later, few, &passed, (look, 1), goal)?;
         }
         Ok(())
     }
 
     /// Run a kernel, whose values take what there is before it.
-    fn dispatch<'l>(
+    fn dispatch(
         &self,
         frame: &Frame<'_>,
-        (kernel, batch): (&'l Kernel, &Batch<'_>),
+        (kernel, batch): (&Kernel, &Batch<'_>),
         before: Before<'_>,
-        status: &mut Vec<(&'l Kernel, Buffer<u32>)>,
+        status: &Buffer<u32>,
     ) -> Result<Buffer<f32>, Refusal> {
         let device = self.device;
         let compiled = self.kernels.get(device, "shader", &kernel.text, &[])?;
@@ -316,7 +318,6 @@ impl<'a> Shaders<'a> {
         let values = Buffer::zeros(device, "values", batch.n_values())?;
         values.write(device, &batch.values);
         let results = Buffer::<f32>::zeros(device, "results", batch.n_results())?;
-        let own_status = Buffer::<u32>::zeros(device, "status", batch.n_status())?;
         let mut commands = staged("shade");
         match before {
             Before::Caps(few, caps) if !few.listed.is_empty() => {
@@ -334,13 +335,12 @@ impl<'a> Shaders<'a> {
             }
         }
         let inputs = [groups_of.bind(), grids.bind(), slots.bind(), lights.bind(), values.bind()];
-        let mut bound: Vec<_> = inputs.into_iter().chain([results.bind(), own_status.bind()]).collect();
+        let mut bound: Vec<_> = inputs.into_iter().chain([results.bind(), status.bind()]).collect();
         if FUNCTIONS[0].iter().any(|(query, _)| kernel.asks(*query)) {
             bound.push(self.world.bind());
         }
         commands.dispatch(device, &compiled, &bound, &[], Work::Groups(batch.groups.len() as u32));
         commands.send(device)?;
-        status.push((kernel, own_status));
         Ok(results)
     }
 

@@ -24,6 +24,11 @@ pub enum Fault {
 type Row = [u32; 2];
 
 impl Kernel {
+    /// Rows of its buffer `status`, which begin as zeros; batches one after another may share it.
+    pub fn n_status(&self) -> usize {
+        2 * self.shaders.len()
+    }
+
     /// What it found wrong, by its status.
     pub fn faults(&self, status: &[u32]) -> Vec<Fault> {
         let mut faults = vec![];
@@ -196,7 +201,7 @@ impl<'k> Batch<'k> {
 
     /// Rows of the buffer `status`, which begin as zeros.
     pub fn n_status(&self) -> usize {
-        2 * self.kernel.shaders.len()
+        self.kernel.n_status()
     }
 
     /// Set the globals that the kernel changed at the points of a grid, as the grid machine does: those that the points have.
