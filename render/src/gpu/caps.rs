@@ -4,7 +4,6 @@ use crate::cpu::frame::Frame;
 use crate::gprim::sphere::tile::CapTile;
 use crate::gpu::front::Diced;
 use crate::gpu::kernels::{FrameKernels, groups, staged};
-use crate::gpu::samples::Samples;
 use glam::Mat4;
 use gpu::{Buffer, Commands, Device, GpuError, Work};
 
@@ -41,6 +40,14 @@ pub struct Placed {
     pub point: usize,
     pub flags: u32,
     pub track: u32,
+}
+
+/// Where tiles are diced to: what kernels are told of the window, the depths of its blocks, points, micropolygons.
+pub struct DiceGoal<'a> {
+    pub head: [u32; 7],
+    pub blocks: &'a Buffer<u32>,
+    pub points: &'a Buffer<[f32; 4]>,
+    pub micropolygons: &'a Buffer<[u32; 4]>,
 }
 
 impl Caps {
@@ -120,27 +127,28 @@ impl Caps {
     /// Those of [`Device::check`].
     pub fn dice(
         &self,
-        samples: &Samples<'_>,
+        device: &Device,
+        goal: &DiceGoal<'_>,
         kernels: &FrameKernels,
         frame: &Frame<'_>,
         [first, n]: [usize; 2],
         culls: bool,
     ) -> Result<(), GpuError> {
-        let (device, camera) = (samples.device, &frame.camera);
+        let camera = &frame.camera;
         let [reach, inverse] = camera.focus().map_or([0.0; 2], |[reach, sharp]| [reach, 1.0 / sharp]);
         let [center, scale] = [camera.center, camera.scale];
         let numbers = [camera.near, camera.far, center.x, center.y, scale.x, scale.y, reach, inverse];
         let own = [first as u32, n as u32, culls as u32];
         let params: Vec<u32> =
-            samples.head.into_iter().chain(own).chain(numbers.iter().map(|number| number.to_bits())).collect();
+            goal.head.into_iter().chain(own).chain(numbers.iter().map(|number| number.to_bits())).collect();
         let bound = [
             self.rows.bind(),
             self.rings.bind(),
             kernels.disk.bind(),
             self.matrices.bind(),
-            samples.blocks.bind(),
-            samples.points.bind(),
-            samples.micropolygons.bind(),
+            goal.blocks.bind(),
+            goal.points.bind(),
+            goal.micropolygons.bind(),
             self.least.bind(),
             self.left_out.bind(),
         ];

@@ -6,7 +6,7 @@
 use crate::cpu::frame::Frame;
 use crate::cpu::samples::BLOCK;
 use crate::film::jitter::{Jitter, Moments, PERIOD};
-use crate::gpu::caps::{Added, Caps, Placed};
+use crate::gpu::caps::{Added, Caps, DiceGoal, Placed};
 use crate::gpu::front::{Diced, Window};
 use crate::gpu::kernels::{FrameKernels, groups, staged};
 use gpu::{Bound, Buffer, Device, GpuError};
@@ -41,9 +41,9 @@ pub struct Samples<'a> {
     before: Buffer<u32>,
     pub(super) visible: Buffer<u32>,
     pub(super) color: Buffer<[f32; 4]>,
-    pub(super) blocks: Buffer<u32>,
+    blocks: Buffer<u32>,
     /// Micropolygons that wait for their colours, and their points, at all moments if the image is blurred.
-    pub(super) points: Buffer<[f32; 4]>,
+    points: Buffer<[f32; 4]>,
     pub(super) micropolygons: Buffer<[u32; 4]>,
     pub(super) n_points: usize,
     n_places: usize,
@@ -228,7 +228,9 @@ impl<'a> Samples<'a> {
         self.n_micropolygons += micropolygons.n;
         let range = self.caps.add(self.device, &caps)?;
         if range[1] > 0 {
-            self.caps.dice(self, self.kernels, frame, range, culls)?;
+            let Samples { head, blocks, points, micropolygons, .. } = &*self;
+            let goal = DiceGoal { head: *head, blocks, points, micropolygons };
+            self.caps.dice(self.device, &goal, self.kernels, frame, range, culls)?;
         }
         Ok(())
     }
