@@ -41,6 +41,7 @@ pub fn measure(job: &RenderBench) -> Outcome<serde_json::Value> {
         Some(device) => {
             report["adapter"] = device.adapter().name.clone().into();
             report["is_software"] = device.adapter().software.into();
+            report["device"] = json!(s.device);
         }
         // Devices do not count their tests.
         None => report["samples"] = s.samples.into(),

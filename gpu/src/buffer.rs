@@ -87,11 +87,11 @@ impl<T: Pod> Buffer<T> {
         let start = (first * size_of::<T>()) as u64;
         let bytes: &[u8] = bytemuck::cast_slice(rows);
         let whole = bytes.len() / 4 * 4;
-        device.queue.write_buffer(&self.raw, start, &bytes[..whole]);
+        device.write(&self.raw, start, &bytes[..whole]);
         if whole < bytes.len() {
             let mut last = [0; 4];
             last[..bytes.len() - whole].copy_from_slice(&bytes[whole..]);
-            device.queue.write_buffer(&self.raw, start + whole as u64, &last);
+            device.write(&self.raw, start + whole as u64, &last);
         }
     }
 
@@ -112,7 +112,7 @@ impl<T: Pod> Buffer<T> {
         };
         let mut encoder = device.raw.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(&self.raw, 0, &larger.raw, 0, self.raw.size());
-        device.queue.submit([encoder.finish()]);
+        device.submit(encoder.finish());
         *self = larger;
         Ok(true)
     }
@@ -141,7 +141,8 @@ impl<T: Pod> Buffer<T> {
         )?;
         let mut encoder = device.raw.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(&self.raw, 0, &staging, 0, size);
-        let submission = device.queue.submit([encoder.finish()]);
+        let submission = device.submit(encoder.finish());
+        device.count(|traffic| traffic.bytes_read += size);
         let mapped = map(&staging);
         Ok(ReadBack { staging, _taken: taken, mapped, submission, n, row: PhantomData })
     }

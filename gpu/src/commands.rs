@@ -82,7 +82,7 @@ impl Commands {
                 mapped_at_creation: false,
             });
             // Written rather than mapped: what a lost device makes cannot be mapped, which only the next check may tell.
-            device.queue.write_buffer(&raw, 0, bytemuck::cast_slice(params));
+            device.write(&raw, 0, bytemuck::cast_slice(params));
             raw
         });
         let params = constants.as_ref().map(|raw| Bound { raw, name: "params", width: 4 });
@@ -156,6 +156,18 @@ impl Commands {
         Prepared::new(device, [self])
     }
 
+    /// Submit all commands as [`Commands::submit`] does, whose times [`Device::settle`] takes.
+    ///
+    /// # Errors
+    /// Those of [`Device::check`].
+    pub fn send(&self, device: &Device) -> Result<(), GpuError> {
+        let timings = self.submit(device)?;
+        if timings.ticks.is_some() {
+            device.unsettled().push(timings);
+        }
+        Ok(())
+    }
+
     /// Tell that the commands have taken this time, s, where that is not to be had from their timings: see [`Timings::unobserved`].
     pub fn observe(&self, device: &Device, seconds: f64) {
         let units: Vec<Unit> = self.stages.iter().map(|stage| Unit::whole(stage.key())).collect();
@@ -216,7 +228,7 @@ impl Prepared {
                 device.wait()?;
             }
             let started = Instant::now();
-            last = Some(device.queue.submit([commands]));
+            last = Some(device.submit(commands));
             if waits {
                 device.wait()?;
                 let seconds = started.elapsed().as_secs_f64();
@@ -377,5 +389,21 @@ impl Timings {
             }
         }
         Ok(Some(stages))
+    }
+}
+
+impl Device {
+    /// Wait for what [`Commands::send`] has submitted since this was last called; the time of each stage on the device, s: none where it
+    /// takes no times.
+    ///
+    /// # Errors
+    /// Those of [`Device::check`].
+    pub fn settle(&self) -> Result<Vec<(&'static str, f64)>, GpuError> {
+        let sent = std::mem::take(&mut *self.unsettled());
+        let mut all = vec![];
+        for timings in sent {
+            all.extend(timings.wait(self)?.unwrap_or_default());
+        }
+        Ok(all)
     }
 }

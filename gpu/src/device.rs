@@ -1,11 +1,13 @@
 //! The device: an adapter opened without a window, its queue, and its faults.
 
 use crate::adapter::{Adapter, Choice, USED, choose};
+use crate::commands::Timings;
 use crate::error::GpuError;
 use crate::pace::Pace;
 use crate::times::Times;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 
 /// A message that a callback of the device leaves.
 type Message = Arc<Mutex<Option<String>>>;
@@ -28,7 +30,42 @@ pub struct Device {
     scopes: Mutex<()>,
     pace: Mutex<Pace>,
     idle_times: Mutex<Vec<Times>>,
+    traffic: Mutex<Traffic>,
+    /// Times of commands that have not been waited for.
+    unsettled: Mutex<Vec<Timings>>,
     pub(crate) memory: Arc<Memory>,
+}
+
+/// What has gone between the processor and a device so far, and the time of the processor that it took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Traffic {
+    /// Count of submissions to the queue.
+    pub submissions: u64,
+    /// Count of waits for the device.
+    pub waits: u64,
+    /// Bytes written to buffers.
+    pub bytes_written: u64,
+    /// Bytes read from them.
+    pub bytes_read: u64,
+    /// Time waited for the device, s.
+    pub wait_seconds: f64,
+    /// Time in which kernels were compiled, s.
+    pub compile_seconds: f64,
+}
+
+impl std::ops::Sub for Traffic {
+    type Output = Traffic;
+
+    fn sub(self, o: Traffic) -> Traffic {
+        Traffic {
+            submissions: self.submissions - o.submissions,
+            waits: self.waits - o.waits,
+            bytes_written: self.bytes_written - o.bytes_written,
+            bytes_read: self.bytes_read - o.bytes_read,
+            wait_seconds: self.wait_seconds - o.wait_seconds,
+            compile_seconds: self.compile_seconds - o.compile_seconds,
+        }
+    }
 }
 
 /// Bytes of the buffers of a device.
@@ -106,7 +143,7 @@ impl Device {
         let subgroup = adapter.subgroup;
         let has_timestamps = features.contains(wgpu::Features::TIMESTAMP_QUERY);
         let has_timestamps_between = features.contains(wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS);
-        let (scopes, pace, idle_times, memory) = Default::default();
+        let (scopes, pace, idle_times, traffic, unsettled, memory) = Default::default();
         Ok(Device {
             adapter,
             raw,
@@ -119,6 +156,8 @@ impl Device {
             scopes,
             pace,
             idle_times,
+            traffic,
+            unsettled,
             memory,
         })
     }
@@ -136,6 +175,37 @@ impl Device {
     /// Let buffers take no more bytes together than these.
     pub fn limit_memory(&self, bytes: u64) {
         self.memory.limit.store(bytes, Ordering::Relaxed);
+    }
+
+    /// Whether commands are timed by the clock of the device.
+    pub fn has_timer(&self) -> bool {
+        self.has_timestamps
+    }
+
+    /// What has gone between the processor and the device so far.
+    pub fn traffic(&self) -> Traffic {
+        *self.traffic.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(crate) fn count(&self, add: impl FnOnce(&mut Traffic)) {
+        add(&mut self.traffic.lock().unwrap_or_else(PoisonError::into_inner));
+    }
+
+    /// Submit commands to the queue.
+    pub(crate) fn submit(&self, commands: wgpu::CommandBuffer) -> wgpu::SubmissionIndex {
+        self.count(|traffic| traffic.submissions += 1);
+        self.queue.submit([commands])
+    }
+
+    /// Write bytes to a buffer, before any command that is submitted later.
+    pub(crate) fn write(&self, buffer: &wgpu::Buffer, start: u64, bytes: &[u8]) {
+        self.count(|traffic| traffic.bytes_written += bytes.len() as u64);
+        self.queue.write_buffer(buffer, start, bytes);
+    }
+
+    /// The times of commands that have not been waited for.
+    pub(crate) fn unsettled(&self) -> MutexGuard<'_, Vec<Timings>> {
+        self.unsettled.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     pub(crate) fn pace(&self) -> MutexGuard<'_, Pace> {
@@ -183,9 +253,7 @@ impl Device {
     /// # Errors
     /// Those of [`Device::check`].
     pub fn wait(&self) -> Result<(), GpuError> {
-        let done = self.raw.poll(wgpu::PollType::wait_indefinitely());
-        self.check()?;
-        done.map(|_| ()).map_err(|e| GpuError::Device(e.to_string()))
+        self.poll(wgpu::PollType::wait_indefinitely())
     }
 
     /// Wait until the work up to a submission is done.
@@ -193,8 +261,16 @@ impl Device {
     /// # Errors
     /// Those of [`Device::check`].
     pub(crate) fn wait_for(&self, submission: &wgpu::SubmissionIndex) -> Result<(), GpuError> {
-        let until = wgpu::PollType::Wait { submission_index: Some(submission.clone()), timeout: None };
+        self.poll(wgpu::PollType::Wait { submission_index: Some(submission.clone()), timeout: None })
+    }
+
+    fn poll(&self, until: wgpu::PollType) -> Result<(), GpuError> {
+        let start = Instant::now();
         let done = self.raw.poll(until);
+        self.count(|traffic| {
+            traffic.waits += 1;
+            traffic.wait_seconds += start.elapsed().as_secs_f64();
+        });
         self.check()?;
         done.map(|_| ()).map_err(|e| GpuError::Device(e.to_string()))
     }

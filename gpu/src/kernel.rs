@@ -5,6 +5,7 @@ use crate::error::GpuError;
 use crate::layout::{Slot, parse, slots};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
 
 /// A part that kernels import: its name and text.
 pub type Part<'a> = (&'a str, &'a str);
@@ -55,7 +56,9 @@ impl Kernels {
         if let Some(kernel) = compiled.get(&text) {
             return Ok(kernel.clone());
         }
+        let start = Instant::now();
         let kernel = compile(device, name, &text)?;
+        device.count(|traffic| traffic.compile_seconds += start.elapsed().as_secs_f64());
         compiled.insert(text, kernel.clone());
         Ok(kernel)
     }
@@ -128,7 +131,7 @@ fn dispatch_nothing(device: &Device, kernel: &Kernel) {
     pass.set_bind_group(0, &group, &[]);
     pass.dispatch_workgroups(0, 0, 0);
     drop(pass);
-    device.queue.submit([encoder.finish()]);
+    device.submit(encoder.finish());
 }
 
 fn layout(device: &Device, name: &str, slots: &[Slot]) -> wgpu::PipelineLayout {

@@ -209,6 +209,30 @@ fn what_keeps_a_device_long_is_cut_into_submissions() {
     }
 }
 
+/// What goes to a device and comes from it is counted, and what was sent is timed when it is settled.
+#[test]
+fn traffic_is_counted_and_sent_commands_are_timed() {
+    for Bench { device, kernels } in benches().take(1) {
+        let before = device.traffic();
+        let double = kernels.get(device, "double", DOUBLE, &[]).unwrap();
+        let values = Buffer::of(device, "values", &[3u32; 100]).unwrap();
+        for _ in 0..3 {
+            let mut commands = Commands::new();
+            commands.stage("double");
+            commands.dispatch(device, &double, &[values.bind()], &[2], Work::Groups(2));
+            commands.send(device).unwrap();
+        }
+        assert_eq!(values.read(device, 100).unwrap(), [24; 100]);
+        let spent = device.traffic() - before;
+        assert_eq!((spent.bytes_written, spent.bytes_read), (400 + 3 * 4, 400));
+        assert!(spent.submissions >= 4 && spent.waits >= 1 && spent.wait_seconds >= 0.0, "{spent:?}");
+        let stages = device.settle().unwrap();
+        assert_eq!(stages.len(), if device.has_timer() { 3 } else { 0 });
+        assert!(stages.iter().all(|(name, seconds)| *name == "double" && *seconds >= 0.0), "{stages:?}");
+        assert!(device.settle().unwrap().is_empty());
+    }
+}
+
 /// Runs of more bytes than one command takes, whose last piece is shorter.
 #[test]
 fn long_copies_and_clears_are_whole() {

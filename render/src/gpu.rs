@@ -1,9 +1,10 @@
 //! The back end on a graphics device: what it has no kernels for yet is refused, so that the processor draws the whole frame.
 //!
-//! The processor bounds, splits, dices and displaces as for its own images, in waves from front to back; the device samples the
-//! micropolygons, shades the points that are visible, composites and filters. All is within bounded memory: an image is drawn by windows, a
+//! The processor bounds, splits, dices and displaces as for its own images, in waves from front to back; the device dices caps of spheres,
+//! samples the micropolygons, shades the points that are visible, composites and filters. All is within bounded memory: an image is drawn by windows, a
 //! window by waves, and points that are many are shaded before the next wave.
 
+mod caps;
 mod few;
 mod front;
 mod kernels;

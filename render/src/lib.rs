@@ -39,4 +39,4 @@ pub use gpu::limits::{LEAST_MEMORY as LEAST_DEVICE_MEMORY, Limits as DeviceLimit
 pub use gpu::render::Renderer as DeviceRenderer;
 pub use scene::options::{Hider, Options};
 pub use sl::has_wide_lanes;
-pub use stats::{Seconds, Stats};
+pub use stats::{DeviceSeconds, DeviceStats, Seconds, Stats};

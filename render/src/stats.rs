@@ -23,9 +23,45 @@ pub struct Stats {
     pub opacity_runs: u64,
     /// Time by stage.
     pub seconds: Seconds,
+    /// What a graphics device has done of it; none of an image of the processor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub device: Option<DeviceStats>,
 }
 
-/// Time by stage, s: summed over threads, or wall-clock time where a field says so.
+/// What has gone between the processor and a graphics device for an image, where the processor waited, and how long the device worked.
+#[derive(Clone, Copy, Debug, Default, serde::Serialize)]
+pub struct DeviceStats {
+    /// Count of submissions of commands.
+    pub submissions: u64,
+    /// Count of waits of the processor for the device.
+    pub waits: u64,
+    /// Bytes that were written to the device.
+    pub bytes_written: u64,
+    /// Bytes that were read from it.
+    pub bytes_read: u64,
+    /// Time that the processor waited, s.
+    pub wait_seconds: f64,
+    /// Time in which kernels were compiled, s: none of a frame whose shaders an earlier one had.
+    pub compile_seconds: f64,
+    /// Time of the device by stage, s, by its own clock; none where it has no clock.
+    pub seconds: Option<DeviceSeconds>,
+}
+
+/// Time of a graphics device by stage, s.
+#[derive(Clone, Copy, Debug, Default, serde::Serialize)]
+pub struct DeviceSeconds {
+    /// Dicing, as far as the device does that.
+    pub dice: f64,
+    /// Sampling micropolygons.
+    pub sample: f64,
+    /// Finding the points that are visible, shading them, and giving samples their colours.
+    pub shade: f64,
+    /// Filtering.
+    pub filter: f64,
+}
+
+/// Time by stage, s: summed over threads, or wall-clock time where a field says so. Of an image of a graphics device, all but `dice` is
+/// wall-clock time of the processor, waits for the device included; [`DeviceStats`] has how long the device worked.
 #[derive(Clone, Copy, Debug, Default, serde::Serialize)]
 pub struct Seconds {
     /// Building the bounding volume hierarchy for rays; wall-clock time, since several threads share it.

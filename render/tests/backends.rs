@@ -1,6 +1,8 @@
 //! Images of both back ends: what each sample sees, and each pixel to two steps of 8 bits; and what a device leaves to the processor.
 //! Without any adapter the comparisons say so; `REQUIRE_GPU=1` makes that a failure.
 
+#[path = "backends/caps.rs"]
+mod caps;
 #[path = "backends/layers.rs"]
 mod layers;
 #[path = "backends/table.rs"]

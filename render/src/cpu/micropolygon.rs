@@ -64,7 +64,11 @@ impl Micropolygon {
 pub fn identity(item: Item, points: &Points, corners: [usize; 3]) -> u64 {
     let (n, p) = (points.n(), points.get(Global::P).unwrap_or(&[]));
     let places = corners.into_iter().flat_map(|k| (0..3).map(move |c| c * n + k));
-    let numbers = places.map(|at| p.get(at).map_or(0, |x| x.to_bits()));
+    identity_of(item, places.map(|at| p.get(at).map_or(0, |x| x.to_bits())))
+}
+
+/// The identity of a triangle of an item, by the numbers of its corners, as bits.
+pub fn identity_of(item: Item, numbers: impl Iterator<Item = u32>) -> u64 {
     let mixed = |x: u64, y: u32| {
         let x = (x ^ y as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         x ^ x >> 29

@@ -1,5 +1,6 @@
 //! Grids of micropolygons: what a dicer reads of an item, the grid that it fills, and where grids go.
 
+use crate::gprim::sphere::tile::CapTile;
 use crate::scene::camera::{Camera, RasterBound};
 use crate::scene::motion::Instant;
 use crate::scene::source::{Item, ItemView};
@@ -53,6 +54,12 @@ pub trait Sink {
     fn takes_unseen(&self) -> bool {
         false
     }
+    /// Whether it takes tiles of spheres' caps of so many rings by what makes them.
+    fn takes_caps(&self, _n_rings: usize) -> bool {
+        false
+    }
+    /// Take such a tile, if it does: the grid has all but P and N.
+    fn take_cap(&mut self, _cap: CapTile, _grid: &mut Grid) {}
 }
 
 /// A grid: points in rows, in world space, as a dicer leaves it.

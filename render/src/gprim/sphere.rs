@@ -7,6 +7,7 @@
 
 pub mod cap;
 pub mod lattice;
+pub mod tile;
 
 use crate::gprim::bound::displacement_reach;
 use crate::gprim::grid::{Grid, Sink, Subject};

@@ -2,6 +2,7 @@
 
 use crate::cpu::deferred::gather;
 use crate::cpu::frame::Frame;
+use crate::cpu::globals::surface_globals;
 use crate::cpu::shade::{Surface, prepare, surface_opacity};
 use crate::cpu::view::View;
 use crate::film::display::placed;
@@ -17,9 +18,38 @@ pub fn offset_of(kernel: &Kernel, global: Global) -> Option<usize> {
     kernel.outputs().iter().find(|output| output.target == Target::Global(global)).map(|output| output.offset)
 }
 
-/// Whether a bit is set.
-pub fn is_set(bits: &[u32], k: usize) -> bool {
-    bits[k / 32] >> (k % 32) & 1 == 1
+/// Those of some bits that are set, from the first one on.
+fn set_of(bits: &[u32], first: usize, n: usize) -> impl Iterator<Item = u32> + '_ {
+    let end = first + n;
+    (first / 32..end.div_ceil(32)).flat_map(move |word| {
+        let mut left = within(bits, word, first, end);
+        std::iter::from_fn(move || {
+            let k = (left != 0).then(|| left.trailing_zeros())?;
+            left &= left - 1;
+            Some((32 * word + k as usize - first) as u32)
+        })
+    })
+}
+
+/// How many of some bits are set.
+pub fn count_of(bits: &[u32], first: usize, n: usize) -> usize {
+    let end = first + n;
+    (first / 32..end.div_ceil(32)).map(|word| within(bits, word, first, end).count_ones() as usize).sum()
+}
+
+/// The bits of a word from one to before another.
+fn within(bits: &[u32], word: usize, first: usize, end: usize) -> u32 {
+    let low = u32::MAX << first.saturating_sub(32 * word);
+    let high = if end - 32 * word >= 32 { u32::MAX } else { (1 << (end - 32 * word)) - 1 };
+    bits[word] & low & high
+}
+
+/// A grid whose points are shaded: its index, the first of its points among all, and how many tiles that the device dices are before it.
+#[derive(Clone, Copy)]
+pub struct Chosen {
+    pub index: usize,
+    pub first: usize,
+    pub cap: u32,
 }
 
 /// The points that are shaded together.
@@ -37,6 +67,9 @@ pub struct Few<'k> {
     pub rows: Vec<[u32; 4]>,
     pub given_rows: Vec<[u32; 4]>,
     pub given_outputs: Vec<f32>,
+    /// Of those of tiles that the device dices: two rows a tile, as `cap_points.wgsl` has them, and the points.
+    pub of_caps: Vec<[u32; 4]>,
+    pub listed: Vec<u32>,
     gathered: Points,
     wanted: Vec<u32>,
 }
@@ -74,17 +107,18 @@ impl<'k> Few<'k> {
     pub fn add(
         &mut self,
         frame: &Frame<'_>,
-        grid: &mut Diced,
-        (first, wanted): (usize, &[u32]),
+        grid: &Diced,
+        (chosen, wanted): (Chosen, &[u32]),
         batch: &mut Batch<'_>,
         mut later: Option<&mut Batch<'_>>,
     ) -> Result<(), Refusal> {
-        let n = grid.points.n();
+        let (first, n) = (chosen.first, grid.points.n());
         self.wanted.clear();
-        self.wanted.extend((0..n).filter(|k| is_set(wanted, first + k)).map(|k| k as u32));
+        self.wanted.extend(set_of(wanted, first, n));
         for moment in 0..=grid.fades.len() {
             let time = moment.checked_sub(1).map_or(0.0, |k| grid.fades[k]);
-            self.add_at(frame, grid, (first + moment * n, time), batch, later.as_deref_mut())?;
+            let chosen = Chosen { first: first + moment * n, ..chosen };
+            self.add_at(frame, grid, (chosen, time), batch, later.as_deref_mut())?;
         }
         Ok(())
     }
@@ -93,24 +127,45 @@ impl<'k> Few<'k> {
     fn add_at(
         &mut self,
         frame: &Frame<'_>,
-        grid: &mut Diced,
-        (first, time): (usize, f32),
+        grid: &Diced,
+        (Chosen { first, cap, .. }, time): (Chosen, f32),
         batch: &mut Batch<'_>,
         later: Option<&mut Batch<'_>>,
     ) -> Result<(), Refusal> {
         let view = frame.scene.view(grid.item);
         let whole = view.attributes.reads_neighbours();
-        if !whole {
-            gather(&grid.points, view.attached.n_uniform, &self.wanted, &mut self.gathered);
-        }
         let mut gathered = std::mem::take(&mut self.gathered);
-        let points = if whole { &mut grid.points } else { &mut gathered };
+        if whole {
+            gathered = (*grid.points).clone();
+        } else {
+            gather(&grid.points, view.attached.n_uniform, &self.wanted, &mut gathered);
+        }
+        let points = &mut gathered;
         let surface = Surface { item: grid.item, view: &view, reach: grid.reach, z: grid.z, time };
-        let scene = prepare(frame, &surface, points);
+        let filled: &[Global] = match (&grid.cap, view.attributes.surface.program.global(Global::Ng)) {
+            (None, _) => &[],
+            (Some(_), None) => &OF_CAPS[..3],
+            (Some(_), Some(_)) => &OF_CAPS,
+        };
+        let scene = if grid.cap.is_some() {
+            surface_globals(points, &view, frame.camera.eye, time);
+            // The device knows how near the start of a ray nothing is met.
+            View::new(frame.scene, &frame.rays, grid.item, &view, [0.0; 2])
+        } else {
+            prepare(frame, &surface, points)
+        };
         let id = frame.scene.id_of(grid.item);
         let [x, y, z] = scene.flat.unwrap_or_default().to_array();
         let own = [(id & 0xffff) as f32, (id >> 16) as f32, scene.bias[0], scene.bias[1], x, y, z];
-        let k = add(batch, (&view.attributes.surface, &view.attached.surface), points, &scene, &own)?;
+        let shader = (&*view.attributes.surface, &view.attached.surface);
+        let given = batch.n_filled();
+        let (k, given_own) = add(batch, shader, points, &scene, (&own, filled))?;
+        if grid.cap.is_some() {
+            let [n, listed] = [points.n(), self.listed.len()].map(|n| n as u32);
+            self.of_caps.push([cap, n, listed, given as u32]);
+            self.of_caps.push([given_own as u32, (filled.len() == OF_CAPS.len()) as u32, 0, 0]);
+            self.listed.extend_from_slice(&self.wanted);
+        }
         let (begin, n) = (self.points.len(), points.n());
         let all = self.wanted.iter().enumerate();
         self.points.extend(all.map(|(i, k)| (first as u32 + k, if whole { *k } else { i as u32 })));
@@ -124,7 +179,7 @@ impl<'k> Few<'k> {
             let given = [Global::Ci, Global::Oi].into_iter().filter(found);
             given.for_each(|g| points.refill(g).resize(3 * n, 1.0));
             let scene = View { shader_to_world: view.attributes.atmosphere_space, ..scene };
-            add(later, (shader, &view.attached.atmosphere), points, &scene, &own)?;
+            add(later, (shader, &view.attached.atmosphere), points, &scene, (&own, &[]))?;
         }
         self.gathered = gathered;
         Ok(())
@@ -199,17 +254,20 @@ impl<'k> Few<'k> {
     }
 }
 
-/// Add the points of a grid to those of a kernel, with the host's own numbers; its index.
+/// What the device gives shaders of points that it dices.
+const OF_CAPS: [Global; 4] = [Global::P, Global::N, Global::I, Global::Ng];
+
+/// Add the points of a grid to those of a kernel, with the host's own numbers and what the device fills; its index, and where the own
+/// numbers begin.
 fn add(
     batch: &mut Batch<'_>,
     (shader, slots): (&BoundShader, &VariableSlots),
     points: &Points,
     scene: &View<'_>,
-    own: &[f32],
-) -> Result<usize, Refusal> {
-    let k = batch.add(shader, slots, points, scene)?;
-    batch.give(k, own);
-    Ok(k)
+    (own, filled): (&[f32], &[Global]),
+) -> Result<(usize, usize), Refusal> {
+    let k = batch.add_filled(shader, slots, points, scene, filled)?;
+    Ok((k, batch.give(k, own)))
 }
 
 /// The numbers of a point of `n`, of values that are one for all or one a point.

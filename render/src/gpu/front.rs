@@ -1,5 +1,5 @@
 //! The front of a frame, on the processor: items from front to back are bound, split, diced, displaced and projected, in waves. What is
-//! hidden by the waves before is not diced.
+//! hidden by the waves before is not diced. Caps of spheres are tiled here, and their points made by the device.
 
 use crate::cpu::displace::{displace, face_eye};
 use crate::cpu::frame::Frame;
@@ -10,12 +10,15 @@ use crate::film::display::place_of;
 use crate::gprim::bound::raster_bound;
 use crate::gprim::dice::Dicer;
 use crate::gprim::grid::{Grid, Sink, Subject};
+use crate::gprim::sphere::tile::{CapTile, MOST_RINGS};
 use crate::gprim::split::{Queue, Waiting};
 use crate::scene::camera::RasterBound;
 use crate::scene::motion::{self, instants};
-use crate::scene::source::Item;
+use crate::scene::source::{Item, ItemView};
 use crate::stats::Stats;
+use glam::Mat4;
 use rayon::prelude::*;
+use sl::Global;
 use sl::machine::{Machine, Points};
 use std::cmp::Ordering;
 
@@ -23,17 +26,19 @@ use std::cmp::Ordering;
 pub struct Diced {
     /// The item that it is of.
     pub item: Item,
-    /// Its points, displaced.
-    pub points: Points,
-    /// Raster x and y, pixels, and depth of each point, at each moment of the item.
+    /// Its points, displaced; without P and N if the device dices it. They are large, and grids are sorted.
+    pub points: Box<Points>,
+    /// What the device dices it of, if it does.
+    pub cap: Option<Box<Cap>>,
+    /// Raster x and y, pixels, and depth of each point, at each moment of the item; none if the device dices it.
     pub raster: Vec<Vec<[f32; 3]>>,
     /// Of each span between two moments: the times from and until which it holds, when it begins, and one over its length, 0 if it has none.
     pub keys: Vec<[f32; 4]>,
-    /// Its micropolygons, by their first points.
+    /// Its micropolygons, by their first points; none if the device dices it.
     pub micropolygons: Vec<u32>,
     /// How far it may be displaced.
     pub reach: f32,
-    /// Its least depth.
+    /// Its least depth; 0 if the device dices it.
     pub z: f32,
     /// The times at which it is shaded again, as its colour or opacity moves.
     pub fades: Vec<f32>,
@@ -43,7 +48,38 @@ pub struct Diced {
     pub motion: Vec<[f32; 2]>,
 }
 
+/// A tile of a sphere's cap that the device dices.
+pub struct Cap {
+    pub tile: CapTile,
+    /// From where the item stood as the shutter opened to camera space, at each moment of the item; none if that is the camera's own.
+    pub to_camera: Vec<Mat4>,
+}
+
+impl Cap {
+    /// Count of the moments of the item.
+    pub fn n_moments(&self) -> usize {
+        self.to_camera.len().max(1)
+    }
+}
+
 impl Diced {
+    /// Count of its micropolygons; of those that the device dices, some may not be there.
+    pub fn n_micropolygons(&self) -> usize {
+        match self.cap {
+            Some(_) => (self.points.nu - 1) * (self.points.nv - 1),
+            None => self.micropolygons.len(),
+        }
+    }
+
+    /// The first point of a micropolygon.
+    pub fn first_of(&self, micropolygon: usize) -> usize {
+        let across = self.points.nu - 1;
+        match self.cap {
+            Some(_) => micropolygon / across * self.points.nu + micropolygon % across,
+            None => self.micropolygons[micropolygon] as usize,
+        }
+    }
+
     /// Count of its points, and of these as shaded again.
     pub fn n_shaded(&self) -> usize {
         self.points.n() * (1 + self.fades.len())
@@ -198,7 +234,8 @@ impl Hand {
         instants(camera, &view, moments);
         let subject = Subject { item, view: &view, instants: moments, camera, parameters };
         let (diced, stats) = (vec![], Stats::default());
-        let mut sink = Taken { frame, window, subject, raster, machine, diced, stats };
+        let dices_caps = dices_caps(frame, &view);
+        let mut sink = Taken { frame, window, subject, raster, machine, dices_caps, diced, stats };
         match turn {
             Turn::Piece(waiting) => dicer.dice_waiting(&subject, &waiting, &mut sink),
             Turn::Item(..) if raster_bound(camera, &view, moments).is_some_and(|b| sink.shows(&b)) => {
@@ -220,6 +257,8 @@ struct Taken<'a> {
     subject: Subject<'a>,
     raster: &'a mut Raster,
     machine: &'a mut Machine,
+    /// Caps of spheres are diced by the device.
+    dices_caps: bool,
     diced: Vec<Diced>,
     stats: Stats,
 }
@@ -227,6 +266,32 @@ struct Taken<'a> {
 impl Sink for Taken<'_> {
     fn shows(&mut self, bound: &RasterBound) -> bool {
         self.window.shows(bound)
+    }
+
+    fn takes_caps(&self, n_rings: usize) -> bool {
+        self.dices_caps && n_rings <= MOST_RINGS
+    }
+
+    fn take_cap(&mut self, tile: CapTile, grid: &mut Grid) {
+        let Subject { item, view, instants, .. } = self.subject;
+        let to_camera = if instants.len() > 1 { instants.iter().map(|at| at.to_camera).collect() } else { vec![] };
+        let own = Diced {
+            item,
+            points: Box::new(std::mem::take(&mut grid.points)),
+            cap: Some(Box::new(Cap { tile, to_camera })),
+            raster: vec![],
+            keys: keys(instants),
+            micropolygons: vec![],
+            reach: 0.0,
+            z: 0.0,
+            fades: view.attributes.fade_times(),
+            rims: [false; 4],
+            motion: vec![],
+        };
+        // The device counts those that are hidden.
+        self.stats.grids += 1;
+        self.stats.micropolygons += own.n_micropolygons() as u64;
+        self.diced.push(own);
     }
 
     fn take(&mut self, grid: &mut Grid) {
@@ -248,7 +313,8 @@ impl Sink for Taken<'_> {
         let motion = if is_moved { self.raster.motion().collect() } else { vec![] };
         self.diced.push(Diced {
             item,
-            points: std::mem::take(&mut grid.points),
+            points: Box::new(std::mem::take(&mut grid.points)),
+            cap: None,
             raster: std::mem::take(&mut self.raster.at),
             keys: keys(instants),
             micropolygons: std::mem::take(&mut self.raster.micropolygons),
@@ -259,6 +325,18 @@ impl Sink for Taken<'_> {
             motion,
         });
     }
+}
+
+/// Whether the device dices the caps of a sphere: all that is wanted of their points are P, N, Ng and I.
+fn dices_caps(frame: &Frame<'_>, view: &ItemView<'_>) -> bool {
+    let a = view.attributes;
+    let is_plain = a.two_sided && !view.particle && a.displacement.is_none() && a.atmosphere.is_none();
+    is_plain
+        && frame.camera.perspective
+        && frame.aovs.is_empty()
+        && !a.reads_parameters()
+        && !a.reads_neighbours()
+        && !a.reads(Global::DPdtime)
 }
 
 /// The spans between the moments of an item.

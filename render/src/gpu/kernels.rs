@@ -1,10 +1,12 @@
 //! The kernels of a frame, compiled once for a device.
 
-use gpu::{Device, GpuError, Kernel, Kernels, Part, Work};
+use crate::gprim::sphere::tile::eighths;
+use gpu::{Buffer, Commands, Device, GpuError, Kernel, Kernels, Part, Work};
 
 /// Parts that kernels import.
 const PARTS: &[Part<'static>] = &[
     ("exact", include_str!("exact.wgsl")),
+    ("cap", include_str!("cap.wgsl")),
     ("triangle", include_str!("triangle.wgsl")),
     ("raster", include_str!("raster.wgsl")),
     ("layer_ids", include_str!("layer_ids.wgsl")),
@@ -39,8 +41,8 @@ const PARTS: &[Part<'static>] = &[
 
 /// Kernels by the stems of their files.
 macro_rules! kernels {
-    ($struct:ident, $device:ident $kernels:ident: $($name:ident),*) => {
-        $struct { $($name: $kernels.get(
+    ($struct:ident, $device:ident $kernels:ident: $($name:ident),* $(; $field:ident: $value:expr)?) => {
+        $struct { $($field: $value,)? $($name: $kernels.get(
             $device,
             stringify!($name),
             include_str!(concat!(stringify!($name), ".wgsl")),
@@ -49,9 +51,13 @@ macro_rules! kernels {
     };
 }
 
-/// The kernels of a frame, but for those of shaders.
+/// The kernels of a frame, but for those of shaders, and what they read in every frame.
 pub struct FrameKernels {
+    /// Points of an eighth of each ring of a disk, for caps of spheres.
+    pub disk: Buffer<[f32; 2]>,
     pub clear_samples: Kernel,
+    pub cap_dice: Kernel,
+    pub cap_points: Kernel,
     pub sample_depth: Kernel,
     pub uncover: Kernel,
     pub sample_id: Kernel,
@@ -70,11 +76,11 @@ impl FrameKernels {
     /// Compile them.
     ///
     /// # Errors
-    /// Those of [`Kernels::get`].
+    /// Those of [`Kernels::get`] and [`Buffer::of`].
     pub fn new(device: &Device, kernels: &Kernels) -> Result<FrameKernels, GpuError> {
         Ok(
-            kernels!(FrameKernels, device kernels: clear_samples, sample_depth, uncover, sample_id, block_depth, visible_points, point_colors, relay,
-            sample_colors, blur_depth, blur_id, blur_colors, filter),
+            kernels!(FrameKernels, device kernels: clear_samples, cap_dice, cap_points, sample_depth, uncover, sample_id, block_depth, visible_points, point_colors, relay,
+            sample_colors, blur_depth, blur_id, blur_colors, filter; disk: Buffer::of(device, "points on a disk", &eighths())?),
         )
     }
 }
@@ -130,4 +136,11 @@ impl OutputKernels {
 /// Workgroups of `size` invocations for `n` of them.
 pub fn groups(n: usize, size: usize) -> Work<'static> {
     Work::Groups(n.div_ceil(size) as u32)
+}
+
+/// Commands of a stage of a frame, as its time on the device is told.
+pub fn staged(stage: &'static str) -> Commands {
+    let mut commands = Commands::new();
+    commands.stage(stage);
+    commands
 }

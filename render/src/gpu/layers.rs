@@ -6,12 +6,12 @@
 
 use crate::cpu::frame::Frame;
 use crate::gpu::front::Diced;
-use crate::gpu::kernels::{LayerKernels, groups};
+use crate::gpu::kernels::{LayerKernels, groups, staged};
 use crate::gpu::outputs::Outputs;
 use crate::gpu::samples::Samples;
 use crate::scene::source::Item;
 use gpu::scan::Scan;
-use gpu::{Bound, Buffer, Commands, Count, Device, GpuError, Kernels};
+use gpu::{Bound, Buffer, Count, Device, GpuError, Kernels};
 
 /// Some samples of a window, and how many layers they have.
 #[derive(Clone, Copy)]
@@ -97,7 +97,7 @@ impl<'a> Layers<'a> {
         self.grids.reserve(self.device, self.n_rows + rows.len())?;
         self.grids.write_from(self.device, self.n_rows, &rows);
         self.n_rows += rows.len();
-        samples.upload(frame, grids, &firsts)
+        samples.upload(frame, grids, &firsts, false)
     }
 
     /// Find the layers of the samples from one to before another, as ranges whose lists fit; and which points they need, a bit each.
@@ -120,11 +120,11 @@ impl<'a> Layers<'a> {
         let alone = ranges.len() == 1;
         for range in &ranges {
             self.fill(samples, *range, alone && n_layers <= self.most)?;
-            let mut commands = Commands::new();
+            let mut commands = staged("sample");
             let bound = [self.lists.bind(), samples.micropolygons.bind(), wanted.bind()];
             let n = range.n_layers;
             commands.dispatch(self.device, &self.kernels.layer_points, &bound, &[n as u32], groups(n, 256));
-            commands.submit(self.device)?;
+            commands.send(self.device)?;
         }
         Ok((ranges, wanted.read(self.device, n_words)?))
     }
@@ -143,12 +143,12 @@ impl<'a> Layers<'a> {
         let n = range[1] - range[0];
         let (mut bound, params) = self.told(samples, range);
         bound.extend([samples.depth.bind(), grids.bind(), planes.bind(), ends.bind()]);
-        let mut commands = Commands::new();
+        let mut commands = staged("sample");
         commands.clear(ends);
         commands.dispatch(device, kernel, &bound, &params, groups(samples.n_micropolygons, 64));
         self.scan.record(device, &mut commands, ends, &Count::of(device, n + 1)?);
         commands.dispatch(device, &kernels.layer_total, &[ends.bind(), total.bind()], &[n as u32], groups(1, 1));
-        commands.submit(device)?;
+        commands.send(device)?;
         Ok(total.read(device, 1)?[0] as usize)
     }
 
@@ -164,11 +164,11 @@ impl<'a> Layers<'a> {
         let (mut bound, params) = self.told(samples, [first, end]);
         bound.extend([samples.depth.bind(), grids.bind(), planes.bind(), ends.bind(), lists.bind()]);
         let n = end - first;
-        let mut commands = Commands::new();
+        let mut commands = staged("sample");
         commands.dispatch(device, kernel, &bound, &params, groups(samples.n_micropolygons, 64));
         let bound = [ends.bind(), lists.bind()];
         commands.dispatch(device, &kernels.layer_sort, &bound, &[n as u32], groups(n, 64));
-        commands.submit(device)?;
+        commands.send(device)?;
         Ok(())
     }
 
@@ -178,9 +178,9 @@ impl<'a> Layers<'a> {
     /// Those of [`Buffer::reserve`].
     pub fn opacities(&mut self, n_points: usize) -> Result<&Buffer<[f32; 4]>, GpuError> {
         self.opacities.reserve(self.device, n_points)?;
-        let mut commands = Commands::new();
+        let mut commands = staged("shade");
         commands.clear(&self.opacities);
-        commands.submit(self.device)?;
+        commands.send(self.device)?;
         Ok(&self.opacities)
     }
 
@@ -213,7 +213,7 @@ impl<'a> Layers<'a> {
     ) -> Result<(), GpuError> {
         let Layers { device, kernels, ends, lists, grids, opacities, .. } = self;
         let n = end - first;
-        let mut commands = Commands::new();
+        let mut commands = staged("shade");
         let kernel = if samples.is_blurred() { &kernels.blur_layer_join } else { &kernels.layer_join };
         let (mut bound, params) = self.told(samples, [first, end]);
         bound.extend([grids.bind(), ends.bind(), lists.bind()]);
@@ -234,7 +234,7 @@ impl<'a> Layers<'a> {
             params.push(*n as u32);
         }
         commands.dispatch(device, kernel, &bound, &params, groups(n, 64));
-        commands.submit(device)?;
+        commands.send(device)?;
         Ok(())
     }
 }

@@ -2,9 +2,9 @@
 
 use crate::cpu::frame::Frame;
 use crate::film::display::placed;
-use crate::gpu::kernels::{OutputKernels, groups};
+use crate::gpu::kernels::{OutputKernels, groups, staged};
 use crate::gpu::samples::Samples;
-use gpu::{Buffer, Commands, Device, GpuError, Kernels};
+use gpu::{Buffer, Device, GpuError, Kernels};
 use sl::ir::Kind;
 
 /// What kernels make of a number: 1 to 3 are those of a colour, and so many more of one that counts by the opacity.
@@ -64,9 +64,9 @@ impl Outputs {
     /// # Errors
     /// Those of [`Device::check`].
     pub fn start(&self, device: &Device) -> Result<(), GpuError> {
-        let mut commands = Commands::new();
+        let mut commands = staged("filter");
         commands.clear(&self.of_samples);
-        commands.submit(device)?;
+        commands.send(device)?;
         Ok(())
     }
 
@@ -76,9 +76,9 @@ impl Outputs {
     /// Those of [`Buffer::reserve`].
     pub fn reserve(&mut self, device: &Device, n_points: usize) -> Result<(), GpuError> {
         self.of_points.reserve(device, n_points * self.n)?;
-        let mut commands = Commands::new();
+        let mut commands = staged("shade");
         commands.clear(&self.of_points);
-        commands.submit(device)?;
+        commands.send(device)?;
         Ok(())
     }
 
@@ -91,9 +91,9 @@ impl Outputs {
         bound.extend([samples.visible.bind(), self.of_points.bind(), self.of_samples.bind()]);
         params.push(self.n as u32);
         let kernel = if samples.is_blurred() { &self.kernels.blur_outputs } else { &self.kernels.sample_outputs };
-        let mut commands = Commands::new();
+        let mut commands = staged("shade");
         commands.dispatch(samples.device, kernel, &bound, &params, groups(samples.n()[0], 64));
-        commands.submit(samples.device)?;
+        commands.send(samples.device)?;
         Ok(())
     }
 
@@ -116,9 +116,9 @@ impl Outputs {
             self.of_samples.bind(),
             pixels.bind(),
         ];
-        let mut commands = Commands::new();
+        let mut commands = staged("filter");
         commands.dispatch(samples.device, &self.kernels.filter_outputs, &bound, &params, groups(n, 64));
-        commands.submit(samples.device)?;
+        commands.send(samples.device)?;
         pixels.read(samples.device, n)
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::cpu::frame::Frame;
 use crate::cpu::imager;
-use crate::cpu::micropolygon::{Micropolygon, identity};
+use crate::cpu::micropolygon::{Micropolygon, identity, identity_of};
 use crate::cpu::samples::BLOCK;
 use crate::cpu::sort::items_of_buckets;
 use crate::drawn::Drawn;
@@ -21,8 +21,8 @@ use crate::scene::camera::Camera;
 use crate::scene::options::Options;
 use crate::scene::source::Item;
 use crate::scene::world::Scene;
-use crate::stats::{Seconds, Stats};
-use gpu::{Choice, Device, GpuError, Kernels};
+use crate::stats::{DeviceSeconds, DeviceStats, Seconds, Stats};
+use gpu::{Choice, Device, GpuError, Kernels, Traffic};
 use rayon::prelude::*;
 use sl::machine::{Machine, Points};
 use std::time::Instant;
@@ -112,8 +112,9 @@ impl Renderer {
         if let Some(why) = supported::refused(scene) {
             return Err(Refusal::Unsupported(why));
         }
-        self.device.check()?;
-        let start = Instant::now();
+        // Nothing is left of a frame that was given up.
+        self.device.settle()?;
+        let (start, before) = (Instant::now(), self.device.traffic());
         let frame = Frame::new(scene, options, camera);
         let mut shaders = Shaders::new(&self.device, &self.kernels, &self.own, self.limits.values)?;
         let layered: Vec<bool> = (0..scene.sources.len()).map(|k| is_layered(&frame, k)).collect();
@@ -124,7 +125,10 @@ impl Renderer {
         let stats = Stats { items, seconds: Seconds { hierarchy, ..Seconds::default() }, ..Stats::default() };
         let mut drawing = Drawing::new(self, &frame, shaders, layered, stats);
         drawing.windows(progress)?;
-        drawing.finish()
+        let mut drawn = drawing.finish()?;
+        let spent = self.device.traffic() - before;
+        drawn.stats.device = drawn.stats.device.map(|device| device.with(spent));
+        Ok(drawn)
     }
 }
 
@@ -184,6 +188,8 @@ impl<'a> Drawing<'a> {
         stats: Stats,
     ) -> Drawing<'a> {
         let options = frame.options;
+        let seconds = renderer.device.has_timer().then(DeviceSeconds::default);
+        let stats = Stats { device: Some(DeviceStats { seconds, ..DeviceStats::default() }), ..stats };
         let image = Image::new(options.width, options.height, frame.aovs.clone());
         let kept = if options.keep_ids { image.pixels.len() * per_pixel(frame) } else { 0 };
         Drawing { renderer, frame, shaders, layered, stats, image, identities: vec![0; kept] }
@@ -195,6 +201,15 @@ impl<'a> Drawing<'a> {
         let [[x0, y0], [x1, y1]] = options.window();
         let inside = |t: &Bucket| t.x < x1 && t.x + t.width > x0 && t.y < y1 && t.y + t.height > y0;
         buckets(options.width, options.height, options.bucket_size, options.shard).filter(inside).collect()
+    }
+
+    /// Add up the times of what the device has been given so far, which waits for it.
+    fn settle(&mut self) -> Result<(), GpuError> {
+        let stages = self.renderer.device.settle()?;
+        if let Some(all) = self.stats.device.as_mut().and_then(|device| device.seconds.as_mut()) {
+            stages.into_iter().for_each(|(stage, seconds)| all.add(stage, seconds));
+        }
+        Ok(())
     }
 
     fn windows(&mut self, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<(), Refusal> {
@@ -226,6 +241,9 @@ impl<'a> Drawing<'a> {
             }
             progress(k + 1, columns * rows);
         }
+        let [grids, micropolygons] = room.samples.caps.left_out(device)?;
+        self.stats.grids_hidden += grids;
+        self.stats.micropolygons -= micropolygons;
         Ok(())
     }
 
@@ -268,15 +286,19 @@ impl<'a> Drawing<'a> {
     fn opaque(&mut self, room: &mut Room<'_>, window: &mut Window, items: Vec<(f32, Item)>) -> Result<(), Refusal> {
         let frame = self.frame;
         let limits = self.renderer.limits;
+        // About so many points of an item are there at once: of a sphere of some pixels.
+        room.samples.expect((32 * items.len()).min(limits.points))?;
         let mut front = Front::new(frame, items, limits.round);
         let (mut held, mut wave) = (vec![], limits.wave[0]);
         loop {
+            // What the wave before hides is not diced: to dice it meanwhile takes longer than to wait.
             let grids = front.wave(window, wave, &mut self.stats);
             if grids.is_empty() {
                 break;
             }
             let start = Instant::now();
             room.samples.sample(frame, &grids, window)?;
+            self.settle()?;
             self.stats.seconds.sample += start.elapsed().as_secs_f64();
             held.extend(grids);
             if room.samples.n_places() >= limits.points {
@@ -302,7 +324,7 @@ impl<'a> Drawing<'a> {
             outputs.reserve(&self.renderer.device, samples.n_points)?;
         }
         let colors = samples.colors()?.clone();
-        let goal = Goal { colors: &colors, opacities: None, outputs: outputs.as_ref() };
+        let goal = Goal { colors: &colors, opacities: None, outputs: outputs.as_ref(), caps: &samples.caps };
         self.shaders.shade(self.frame, held, &wanted, goal, &mut self.stats)?;
         if let Some(outputs) = &*outputs {
             outputs.set(samples)?;
@@ -325,7 +347,7 @@ impl<'a> Drawing<'a> {
             match self.dice_layers(room, window, &items, part.end - part.first > 1)? {
                 Some(mut held) => self.compose(room, window, part, &mut held)?,
                 None => {
-                    self.stats = stats;
+                    self.stats = Stats { device: self.stats.device, ..stats };
                     let [first, second] = part.halves(window.size[0]);
                     parts.extend([second, first]);
                 }
@@ -380,7 +402,8 @@ impl<'a> Drawing<'a> {
         }
         let colors = samples.colors()?.clone();
         let opacities = layers.opacities(samples.n_points)?.clone();
-        let goal = Goal { colors: &colors, opacities: Some(&opacities), outputs: outputs.as_ref() };
+        let goal =
+            Goal { colors: &colors, opacities: Some(&opacities), outputs: outputs.as_ref(), caps: &samples.caps };
         self.shaders.shade(self.frame, held, &wanted, goal, &mut self.stats)?;
         layers.compose(samples, &ranges, outputs.as_mut())?;
         if self.frame.options.keep_ids {
@@ -397,21 +420,42 @@ impl<'a> Drawing<'a> {
     fn note_identities(&mut self, visible: &[u32], first: usize, window: &Window, held: &[Diced]) {
         let n = per_pixel(self.frame);
         let starts: Vec<usize> =
-            held.iter().scan(0, |next, grid| Some(std::mem::replace(next, *next + grid.micropolygons.len()))).collect();
-        let (width, height) = (self.image.width as i64, self.image.height as i64);
-        for (k, id) in visible.iter().enumerate().skip(first).filter(|(_, id)| **id != u32::MAX) {
-            let (pixel, micropolygon) = (k / n, (*id / 2) as usize);
-            let x = (pixel % window.size[0]) as i64 + window.corner[0];
-            let y = (pixel / window.size[0]) as i64 + window.corner[1];
-            if x < 0 || y < 0 || x >= width || y >= height {
-                continue;
+            held.iter().scan(0, |next, grid| Some(std::mem::replace(next, *next + grid.n_micropolygons()))).collect();
+        let of = |id: u32| {
+            let micropolygon = (id / 2) as usize;
+            let k = starts.partition_point(|start| *start <= micropolygon) - 1;
+            let (grid, nu) = (&held[k], held[k].points.nu);
+            let corner = grid.first_of(micropolygon - starts[k]);
+            let corners = Micropolygon::new(0, corner, id & 1 == 1).corners(nu);
+            match &grid.cap {
+                Some(cap) => {
+                    let places = corners.into_iter().flat_map(|point| cap.tile.place(nu, point).to_array());
+                    identity_of(grid.item, places.map(f32::to_bits))
+                }
+                None => identity(grid.item, &grid.points, corners),
             }
-            let k_grid = starts.partition_point(|start| *start <= micropolygon) - 1;
-            let grid = &held[k_grid];
-            let (first, nu) = (grid.micropolygons[micropolygon - starts[k_grid]] as usize, grid.points.nu);
-            let corners = Micropolygon::new(0, first, id & 1 == 1).corners(nu);
-            self.identities[(y * width + x) as usize * n + k % n] = identity(grid.item, &grid.points, corners);
-        }
+        };
+        let [width, height] = window.size;
+        let wide = self.image.width * n;
+        self.identities.par_chunks_mut(wide).enumerate().for_each(|(y, row)| {
+            let y = y as i64 - window.corner[1];
+            if !(0..height as i64).contains(&y) {
+                return;
+            }
+            // Neighbours often see the same.
+            let mut last = (u32::MAX, 0);
+            for (k, own) in row.iter_mut().enumerate() {
+                let x = (k / n) as i64 - window.corner[0];
+                let sample = (y as usize * width + x.max(0) as usize) * n + k % n;
+                let id = visible.get(sample).filter(|_| (0..width as i64).contains(&x) && sample >= first);
+                if let Some(id) = id.filter(|id| **id != u32::MAX) {
+                    if last.0 != *id {
+                        last = (*id, of(*id));
+                    }
+                    *own = last.1;
+                }
+            }
+        });
     }
 
     /// The image, through the imager shader.
@@ -421,6 +465,7 @@ impl<'a> Drawing<'a> {
         let mut image = Image::new(width, self.image.height, self.frame.aovs.clone());
         let depth = self.frame.depth;
         self.shaders.report(self.frame.scene)?;
+        self.settle()?;
         let start = Instant::now();
         let of_bucket = |bucket: &Bucket| {
             let rows = (bucket.y..bucket.y + bucket.height).map(|y| y * width + bucket.x);
@@ -444,6 +489,26 @@ impl<'a> Drawing<'a> {
         }
         self.stats.seconds.filter += start.elapsed().as_secs_f64();
         Ok(Drawn { image, stats: self.stats, identities: self.identities })
+    }
+}
+
+impl DeviceStats {
+    /// The same, with what has gone to the device and come from it.
+    fn with(self, traffic: Traffic) -> DeviceStats {
+        let Traffic { submissions, waits, bytes_written, bytes_read, wait_seconds, compile_seconds } = traffic;
+        DeviceStats { submissions, waits, bytes_written, bytes_read, wait_seconds, compile_seconds, ..self }
+    }
+}
+
+impl DeviceSeconds {
+    /// Add the time of a stage, as [`staged`](crate::gpu::kernels::staged) names it.
+    fn add(&mut self, stage: &str, seconds: f64) {
+        *match stage {
+            "dice" => &mut self.dice,
+            "sample" => &mut self.sample,
+            "filter" => &mut self.filter,
+            _ => &mut self.shade,
+        } += seconds;
     }
 }
 

@@ -6,9 +6,10 @@
 use crate::cpu::frame::Frame;
 use crate::cpu::samples::BLOCK;
 use crate::film::jitter::{Jitter, Moments, PERIOD};
+use crate::gpu::caps::{Added, Caps, DiceGoal, Placed};
 use crate::gpu::front::{Diced, Window};
-use crate::gpu::kernels::{FrameKernels, groups};
-use gpu::{Bound, Buffer, Commands, Device, GpuError};
+use crate::gpu::kernels::{FrameKernels, groups, staged};
+use gpu::{Bound, Buffer, Device, GpuError};
 
 /// What micropolygons are: colour is interpolated; nothing but a hole.
 const SMOOTH: u32 = 1;
@@ -47,6 +48,8 @@ pub struct Samples<'a> {
     pub(super) n_points: usize,
     n_places: usize,
     pub(super) n_micropolygons: usize,
+    /// Tiles of spheres' caps among what waits.
+    pub(super) caps: Caps,
     /// What samples of a blurred image have besides.
     blur: Option<Blur>,
     /// Colours of the points.
@@ -84,6 +87,7 @@ impl<'a> Samples<'a> {
             n_points: 0,
             n_places: 0,
             n_micropolygons: 0,
+            caps: Caps::new(device, frame)?,
             blur: frame.jitter.moments.as_ref().map(|moments| Blur::new(device, frame, moments)).transpose()?,
             colors: Buffer::zeros(device, "point colours", 1)?,
         })
@@ -98,17 +102,18 @@ impl<'a> Samples<'a> {
         self.head = [x, y, width, height, self.strata[0] as u32, self.strata[1] as u32, 0];
         self.n = window.size[0] * window.size[1] * self.strata[0] * self.strata[1];
         self.forget();
-        let mut commands = Commands::new();
+        let mut commands = staged("sample");
         let bound = [self.depth.bind(), self.visible.bind(), self.color.bind()];
         let work = groups(self.n, 256);
         commands.dispatch(self.device, &self.kernels.clear_samples, &bound, &[self.n as u32], work);
-        commands.submit(self.device)?;
+        commands.send(self.device)?;
         Ok(())
     }
 
     /// No micropolygons wait for their colours.
     pub fn forget(&mut self) {
         (self.n_points, self.n_places, self.n_micropolygons) = (0, 0, 0);
+        self.caps.forget();
         if let Some(blur) = &mut self.blur {
             blur.n = 0;
         }
@@ -119,13 +124,23 @@ impl<'a> Samples<'a> {
         self.n_places
     }
 
+    /// Make room for so many points and their micropolygons, which are known to come.
+    ///
+    /// # Errors
+    /// Those of [`Buffer::reserve`].
+    pub fn expect(&mut self, n_points: usize) -> Result<(), GpuError> {
+        self.points.reserve(self.device, n_points)?;
+        self.micropolygons.reserve(self.device, n_points)?;
+        Ok(())
+    }
+
     /// Sample the micropolygons of grids; the depths of the window's blocks are what they are then.
     ///
     /// # Errors
     /// Those of [`Buffer::reserve`] and [`Device::check`].
     pub fn sample(&mut self, frame: &Frame<'_>, grids: &[Diced], window: &mut Window) -> Result<(), GpuError> {
         let first = self.n_micropolygons;
-        self.upload(frame, grids, &[])?;
+        self.upload(frame, grids, &[], !window.blocks.is_empty())?;
         let n = self.n_micropolygons - first;
         let Samples { device, kernels, depth, before, visible, .. } = &*self;
         let (seen, params) = self.seen([first, n]);
@@ -133,7 +148,7 @@ impl<'a> Samples<'a> {
             Some(_) => [&kernels.blur_depth, &kernels.blur_id],
             None => [&kernels.sample_depth, &kernels.sample_id],
         };
-        let mut commands = Commands::new();
+        let mut commands = staged("sample");
         commands.copy(depth, before, self.n);
         let bound: Vec<_> = seen.iter().copied().chain([depth.bind()]).collect();
         commands.dispatch(device, depth_kernel, &bound, &params, groups(n, 64));
@@ -146,7 +161,7 @@ impl<'a> Samples<'a> {
         let params = [self.head[2], self.head[3], per_pixel as u32, n_blocks as u32];
         let bound = [depth.bind(), self.blocks.bind()];
         commands.dispatch(device, &kernels.block_depth, &bound, &params, groups(n_blocks, 64));
-        commands.submit(device)?;
+        commands.send(device)?;
         window.blocks = self.blocks.read(device, n_blocks)?.into_iter().map(depth_of).collect();
         Ok(())
     }
@@ -163,11 +178,19 @@ impl<'a> Samples<'a> {
     }
 
     /// Add grids to those that wait for their colours; `rows` has a number of each that its micropolygons have besides, if they have any.
+    /// What the device dices is left out if `culls` and it is behind the depths of the window's blocks.
     ///
     /// # Errors
     /// Those of [`Buffer::reserve`].
-    pub(super) fn upload(&mut self, frame: &Frame<'_>, grids: &[Diced], rows: &[u32]) -> Result<(), GpuError> {
-        let (mut points, mut micropolygons, mut tracks) = (vec![], vec![], vec![]);
+    pub(super) fn upload(
+        &mut self,
+        frame: &Frame<'_>,
+        grids: &[Diced],
+        rows: &[u32],
+        culls: bool,
+    ) -> Result<(), GpuError> {
+        let (mut points, mut micropolygons) = (Runs::default(), Runs::default());
+        let (mut tracks, mut caps) = (vec![], Added::default());
         let mut n_points = self.n_points;
         let first_track = self.blur.as_ref().map_or(0, |blur| blur.n);
         for (k, grid) in grids.iter().enumerate() {
@@ -176,26 +199,39 @@ impl<'a> Samples<'a> {
             let flags = row | if a.smooth { SMOOTH } else { 0 } | if a.matte { MATTE } else { 0 };
             let (first, nu, track) = (n_points as u32, grid.points.nu as u32, (first_track + tracks.len()) as u32);
             if self.blur.is_some() {
-                let place = (self.n_places + points.len()) as u32;
+                let place = (self.n_places + points.n) as u32;
                 tracks.extend([[first, place, grid.points.n() as u32, track + 2], [grid.keys.len() as u32, 0, 0, 0]]);
                 tracks.extend(grid.keys.iter().map(|key| key.map(f32::to_bits)));
             }
-            points.extend(grid.raster.iter().flatten().map(|[x, y, z]| [*x, *y, *z, 0.0]));
-            micropolygons.extend(grid.micropolygons.iter().map(|k| [first + k, nu, flags, track]));
+            if let Some(cap) = &grid.cap {
+                let [place, micropolygon] = [self.n_places + points.n, self.n_micropolygons + micropolygons.n];
+                self.caps.note(&mut caps, grid, &Placed { place, micropolygon, point: n_points, flags, track });
+                points.skip(cap.n_moments() * grid.points.n());
+                micropolygons.skip(grid.n_micropolygons());
+            } else {
+                points.extend(grid.raster.iter().flatten().map(|[x, y, z]| [*x, *y, *z, 0.0]));
+                micropolygons.extend(grid.micropolygons.iter().map(|k| [first + k, nu, flags, track]));
+            }
             n_points += grid.n_shaded();
         }
-        self.points.reserve(self.device, self.n_places + points.len())?;
-        self.micropolygons.reserve(self.device, self.n_micropolygons + micropolygons.len())?;
-        self.points.write_from(self.device, self.n_places, &points);
-        self.micropolygons.write_from(self.device, self.n_micropolygons, &micropolygons);
+        self.points.reserve(self.device, self.n_places + points.n)?;
+        self.micropolygons.reserve(self.device, self.n_micropolygons + micropolygons.n)?;
+        points.write(self.device, &self.points, self.n_places);
+        micropolygons.write(self.device, &self.micropolygons, self.n_micropolygons);
         if let Some(blur) = &mut self.blur {
             blur.tracks.reserve(self.device, first_track + tracks.len())?;
             blur.tracks.write_from(self.device, first_track, &tracks);
             blur.n += tracks.len();
         }
         self.n_points = n_points;
-        self.n_places += points.len();
-        self.n_micropolygons += micropolygons.len();
+        self.n_places += points.n;
+        self.n_micropolygons += micropolygons.n;
+        let range = self.caps.add(self.device, &caps)?;
+        if range[1] > 0 {
+            let Samples { head, blocks, points, micropolygons, .. } = &*self;
+            let goal = DiceGoal { head: *head, blocks, points, micropolygons };
+            self.caps.dice(self.device, &goal, self.kernels, frame, range, culls)?;
+        }
         Ok(())
     }
 
@@ -213,11 +249,11 @@ impl<'a> Samples<'a> {
     pub fn visible_points(&self) -> Result<Vec<u32>, GpuError> {
         let n_words = self.n_points.div_ceil(32);
         let wanted = Buffer::<u32>::zeros(self.device, "visible points", n_words)?;
-        let mut commands = Commands::new();
+        let mut commands = staged("shade");
         let bound = [self.visible.bind(), self.micropolygons.bind(), wanted.bind()];
         let work = groups(self.n, 256);
         commands.dispatch(self.device, &self.kernels.visible_points, &bound, &[self.n as u32], work);
-        commands.submit(self.device)?;
+        commands.send(self.device)?;
         wanted.read(self.device, n_words)
     }
 
@@ -246,9 +282,9 @@ impl<'a> Samples<'a> {
     /// Those of [`Buffer::reserve`].
     pub fn colors(&mut self) -> Result<&Buffer<[f32; 4]>, GpuError> {
         self.colors.reserve(self.device, self.n_points)?;
-        let mut commands = Commands::new();
+        let mut commands = staged("shade");
         commands.clear(&self.colors);
-        commands.submit(self.device)?;
+        commands.send(self.device)?;
         Ok(&self.colors)
     }
 
@@ -260,9 +296,9 @@ impl<'a> Samples<'a> {
         let (mut bound, params) = self.seen([0, 0]);
         bound.extend([self.colors.bind(), self.visible.bind(), self.color.bind()]);
         let kernel = if self.blur.is_some() { &self.kernels.blur_colors } else { &self.kernels.sample_colors };
-        let mut commands = Commands::new();
+        let mut commands = staged("shade");
         commands.dispatch(self.device, kernel, &bound, &params, groups(self.n, 64));
-        commands.submit(self.device)?;
+        commands.send(self.device)?;
         self.forget();
         Ok(())
     }
@@ -274,10 +310,10 @@ impl<'a> Samples<'a> {
     pub fn pixels(&self, frame: &Frame<'_>) -> Result<Vec<[f32; 4]>, GpuError> {
         let (table, params, n) = self.filter(frame)?;
         let pixels = Buffer::zeros(self.device, "pixels", n)?;
-        let mut commands = Commands::new();
+        let mut commands = staged("filter");
         let bound = [self.color.bind(), self.offsets.bind(), table.bind(), pixels.bind()];
         commands.dispatch(self.device, &self.kernels.filter, &bound, &params, groups(n, 64));
-        commands.submit(self.device)?;
+        commands.send(self.device)?;
         pixels.read(self.device, n)
     }
 
@@ -292,6 +328,49 @@ impl<'a> Samples<'a> {
         let params = self.head[..6].iter().copied().chain(own).collect();
         let n = ((self.head[2] - 2 * margin[0]) * (self.head[3] - 2 * margin[1])) as usize;
         Ok((table, params, n))
+    }
+}
+
+/// Rows for a buffer, with gaps that the device fills.
+struct Runs<T> {
+    rows: Vec<T>,
+    /// Of each run without a gap, how many rows and gaps are before it, and how many rows.
+    starts: Vec<[usize; 2]>,
+    /// Count of rows and of gaps.
+    n: usize,
+}
+
+impl<T> Default for Runs<T> {
+    fn default() -> Runs<T> {
+        Runs { rows: vec![], starts: vec![], n: 0 }
+    }
+}
+
+impl<T: gpu::Pod> Runs<T> {
+    fn extend(&mut self, rows: impl Iterator<Item = T>) {
+        let before = self.rows.len();
+        if self.starts.last().is_none_or(|[at, first]| self.n - at != before - first) {
+            self.starts.push([self.n, before]);
+        }
+        self.rows.extend(rows);
+        self.n += self.rows.len() - before;
+    }
+
+    fn skip(&mut self, n: usize) {
+        self.n += n;
+    }
+
+    /// Write them from a row on: run by run, or where these are many with the gaps, before these are filled.
+    fn write(&self, device: &Device, buffer: &Buffer<T>, first: usize) {
+        const MANY: usize = 64;
+        let ends = self.starts.iter().skip(1).map(|[_, end]| *end).chain([self.rows.len()]);
+        let runs = self.starts.iter().zip(ends).map(|([at, begin], end)| (*at, &self.rows[*begin..end]));
+        if self.starts.len() <= MANY {
+            return runs.for_each(|(at, rows)| buffer.write_from(device, first + at, rows));
+        }
+        let mut all = vec![T::zeroed(); self.n];
+        runs.for_each(|(at, rows)| all[at..at + rows.len()].copy_from_slice(rows));
+        buffer.write_from(device, first, &all);
     }
 }
 

@@ -2,9 +2,10 @@
 
 use crate::cpu::frame::Frame;
 use crate::cpu::view::View;
-use crate::gpu::few::{Few, is_set, offset_of};
+use crate::gpu::caps::Caps;
+use crate::gpu::few::{Chosen, Few, count_of, offset_of};
 use crate::gpu::front::Diced;
-use crate::gpu::kernels::{FrameKernels, groups};
+use crate::gpu::kernels::{FrameKernels, groups, staged};
 use crate::gpu::outputs::Outputs;
 use crate::gpu::refusal::Refusal;
 use crate::gpu::world::{DECLARATIONS, FUNCTIONS, OF_RAYS};
@@ -12,7 +13,8 @@ use crate::scene::attributes::Attributes;
 use crate::scene::source::{Item, ItemView};
 use crate::scene::world::Scene;
 use crate::stats::Stats;
-use gpu::{Buffer, Commands, Device, GpuError, Kernels, Work};
+use gpu::{Buffer, Device, GpuError, Kernels, Work};
+use rayon::prelude::*;
 use sl::Global;
 use sl::ir::{Ask, Lookup};
 use sl::machine::BoundShader;
@@ -43,6 +45,8 @@ pub struct Goal<'a> {
     pub opacities: Option<&'a Buffer<[f32; 4]>>,
     /// What displays take besides, if they do.
     pub outputs: Option<&'a Outputs>,
+    /// The tiles that the device dices.
+    pub caps: &'a Caps,
 }
 
 /// The shaders of a frame.
@@ -192,78 +196,118 @@ impl<'a> Shaders<'a> {
     pub fn shade(
         &mut self,
         frame: &Frame<'_>,
-        grids: &mut [Diced],
+        grids: &[Diced],
         wanted: &[u32],
         goal: Goal<'_>,
         stats: &mut Stats,
     ) -> Result<(), Refusal> {
-        let mut by_look: Vec<Vec<(usize, usize)>> = vec![];
-        let mut first = 0;
-        for (k, grid) in grids.iter().enumerate() {
-            let n = grid.points.n();
-            if (first..first + n).any(|point| is_set(wanted, point)) {
+        let mut by_look: Vec<Vec<Wanted>> = vec![];
+        let (mut first, mut cap) = (0, 0);
+        for (index, grid) in grids.iter().enumerate() {
+            let count = count_of(wanted, first, grid.points.n());
+            if count > 0 {
                 let look = self.look(frame, grid.item, &frame.scene.view(grid.item))?;
                 by_look.resize_with(by_look.len().max(look + 1), Vec::new);
-                by_look[look].push((k, first));
+                by_look[look].push(Wanted { chosen: Chosen { index, first, cap }, count });
             }
             first += grid.n_shaded();
+            cap += u32::from(grid.cap.is_some());
         }
         for (look, own) in by_look.iter().enumerate() {
             let mut rest = own.as_slice();
             while !rest.is_empty() {
-                let taken = self.run(frame, look, grids, (rest, wanted), goal, stats)?;
+                let taken = self.fitting(grids, rest);
+                self.run(frame, &self.looks[look], grids, (&rest[..taken], wanted), goal, stats)?;
                 rest = &rest[taken..];
             }
         }
         Ok(())
     }
 
-    /// Shade the first of some grids of a look, given by their index and their first point among all; how many of them.
+    /// How many of some grids are given to shaders at a time, by about how many numbers they have.
+    fn fitting(&self, grids: &[Diced], own: &[Wanted]) -> usize {
+        /// Numbers of a grid, and of a point besides those that it has.
+        const GRID: usize = 64;
+        const POINT: usize = 12;
+        let numbers = |one: &Wanted| {
+            let points = &grids[one.chosen.index].points;
+            let all: usize = points.variables().iter().map(Vec::len).sum();
+            let times = 1 + grids[one.chosen.index].fades.len();
+            times * (GRID + one.count * (POINT + all.div_ceil(points.n())))
+        };
+        let sums = own.iter().scan(0, |sum, one| {
+            *sum += numbers(one);
+            Some(*sum)
+        });
+        sums.take_while(|sum| *sum < self.most_values).count().clamp(1, own.len())
+    }
+
+    /// Shade grids of a look: parts of them are prepared by several threads, and each is run by itself.
     fn run(
         &self,
         frame: &Frame<'_>,
-        look: usize,
-        grids: &mut [Diced],
-        (own, wanted): (&[(usize, usize)], &[u32]),
+        look: &Look,
+        grids: &[Diced],
+        (own, wanted): (&[Wanted], &[u32]),
         goal: Goal<'_>,
         stats: &mut Stats,
-    ) -> Result<usize, Refusal> {
-        let look = &self.looks[look];
-        let item = grids[own[0].0].item;
-        let view = frame.scene.view(item);
-        let scene = View::new(frame.scene, &frame.rays, item, &view, [0.0; 2]);
-        let mut batch = Batch::new(&look.kernel, &look.lights, &scene)?;
-        let mut later = look.through.as_ref().map(|kernel| Batch::new(kernel, &look.lights, &scene)).transpose()?;
-        let mut few = Few::of(&look.kernel, goal.outputs.is_some());
-        let mut taken = 0;
-        while taken < own.len() && batch.values.len() < self.most_values {
-            let (k, first) = own[taken];
-            taken += 1;
-            few.add(frame, &mut grids[k], (first, wanted), &mut batch, later.as_mut())?;
+    ) -> Result<(), Refusal> {
+        /// Grids that are worth a part.
+        const LEAST: usize = 512;
+        let n_parts = own.len().div_ceil(LEAST).min(rayon::current_num_threads());
+        let prepare = |part: &[Wanted]| Prepared::new(frame, look, grids, (part, wanted), goal.outputs.is_some());
+        let parts: Vec<_> = own.par_chunks(own.len().div_ceil(n_parts)).map(prepare).collect();
+        // What the kernels of all parts find wrong.
+        let status = |kernel: &Kernel| Buffer::<u32>::zeros(self.device, "status", kernel.n_status());
+        let status = [status(&look.kernel)?, status(look.through.as_ref().unwrap_or(&look.kernel))?];
+        for part in parts {
+            let part = part?;
+            stats.shaded_points += part.few.points.len() as u64;
+            self.run_part(frame, look, &part, goal, &status)?;
         }
-        stats.shaded_points += few.points.len() as u64;
-        let results = self.dispatch(&look.kernel, &batch, None)?;
-        self.take_given(&few, look, goal)?;
-        self.take(&look.kernel, &batch, &few, &results, (look, 0), goal)?;
+        for (kernel, status) in [Some(&look.kernel), look.through.as_ref()].into_iter().zip(&status) {
+            let Some(kernel) = kernel else { continue };
+            if let Some(fault) = kernel.faults(&status.read(self.device, kernel.n_status())?).first() {
+                return Err(Refusal::of_fault(fault));
+            }
+        }
+        Ok(())
+    }
+
+    /// Run the kernels of a look over some points, and take what they find; `status` takes their faults.
+    fn run_part(
+        &self,
+        frame: &Frame<'_>,
+        look: &Look,
+        part: &Prepared<'_>,
+        goal: Goal<'_>,
+        status: &[Buffer<u32>; 2],
+    ) -> Result<(), Refusal> {
+        let Prepared { batch, later, few } = part;
+        let results = self.dispatch(frame, (&look.kernel, batch), Before::Caps(few, goal.caps), &status[0])?;
+        self.take_given(few, look, goal)?;
+        self.take(&look.kernel, batch, few, &results, (look, 0), goal)?;
         if let Some(outputs) = goal.outputs {
             self.take_outputs(outputs, &few.rows, &results)?;
             let given = Buffer::of(self.device, "given outputs", &few.given_outputs)?;
             self.take_outputs(outputs, &few.given_rows, &given)?;
         }
-        if let (Some(kernel), Some(later)) = (&look.through, &later) {
+        if let (Some(kernel), Some(later)) = (&look.through, later) {
             // What the atmosphere leaves is as the surface has it.
-            let passed = self.dispatch(kernel, later, Some((&results, &few.relays(&batch, &look.kernel, later))))?;
-            self.take(kernel, later, &few, &passed, (look, 1), goal)?;
+            let runs = few.relays(batch, &look.kernel, later);
+            let passed = self.dispatch(frame, (kernel, later), Before::Surface(&results, &runs), &status[1])?;
+            self.take(kernel, later, few, &passed, (look, 1), goal)?;
         }
-        Ok(taken)
+        Ok(())
     }
 
-    /// Run a kernel, whose values take some of the results of another's first.
+    /// Run a kernel, whose values take what there is before it.
     fn dispatch(
         &self,
-        kernel: &Kernel,
-        batch: &Batch<'_>,
-        before: Option<(&Buffer<f32>, &[[u32; 4]])>,
+        frame: &Frame<'_>,
+        (kernel, batch): (&Kernel, &Batch<'_>),
+        before: Before<'_>,
+        status: &Buffer<u32>,
     ) -> Result<Buffer<f32>, Refusal> {
         let device = self.device;
         let compiled = self.kernels.get(device, "shader", &kernel.text, &[])?;
@@ -271,15 +315,24 @@ impl<'a> Shaders<'a> {
         let grids = Buffer::of(device, "grids", &batch.grids)?;
         let slots = Buffer::of(device, "slots", &batch.slots)?;
         let lights = Buffer::of(device, "lights", &batch.lights)?;
-        let values = Buffer::of(device, "values", &batch.values)?;
+        let values = Buffer::zeros(device, "values", batch.n_values())?;
+        values.write(device, &batch.values);
         let results = Buffer::<f32>::zeros(device, "results", batch.n_results())?;
-        let status = Buffer::<u32>::zeros(device, "status", batch.n_status())?;
-        let mut commands = Commands::new();
-        if let Some((found, runs)) = before {
-            let n = runs.len();
-            let runs = Buffer::of(device, "runs", runs)?;
-            let bound = [runs.bind(), found.bind(), values.bind()];
-            commands.dispatch(device, &self.own.relay, &bound, &[n as u32], Work::Groups(n as u32));
+        let mut commands = staged("shade");
+        match before {
+            Before::Caps(few, caps) if !few.listed.is_empty() => {
+                let given = Buffer::of(device, "shaded caps", &few.of_caps)?;
+                let listed = Buffer::of(device, "shaded points of caps", &few.listed)?;
+                let n = few.of_caps.len() / 2;
+                caps.give(device, self.own, frame, &mut commands, (&given, &listed, &values), n);
+            }
+            Before::Caps(..) => {}
+            Before::Surface(found, runs) => {
+                let n = runs.len();
+                let runs = Buffer::of(device, "runs", runs)?;
+                let bound = [runs.bind(), found.bind(), values.bind()];
+                commands.dispatch(device, &self.own.relay, &bound, &[n as u32], Work::Groups(n as u32));
+            }
         }
         let inputs = [groups_of.bind(), grids.bind(), slots.bind(), lights.bind(), values.bind()];
         let mut bound: Vec<_> = inputs.into_iter().chain([results.bind(), status.bind()]).collect();
@@ -287,10 +340,7 @@ impl<'a> Shaders<'a> {
             bound.push(self.world.bind());
         }
         commands.dispatch(device, &compiled, &bound, &[], Work::Groups(batch.groups.len() as u32));
-        commands.submit(device)?;
-        if let Some(fault) = batch.faults(&status.read(device, batch.n_status())?).first() {
-            return Err(Refusal::of_fault(fault));
-        }
+        commands.send(device)?;
         Ok(results)
     }
 
@@ -346,9 +396,9 @@ impl<'a> Shaders<'a> {
         let params = [n as u32, color, opacity, goal.opacities.is_some() as u32, index, is_last as u32];
         let opacities = goal.opacities.unwrap_or(&self.nothing);
         let bound = [rows.bind(), results.bind(), goal.colors.bind(), opacities.bind(), look.lost.bind()];
-        let mut commands = Commands::new();
+        let mut commands = staged("shade");
         commands.dispatch(self.device, &self.own.point_colors, &bound, &params, groups(n, 256));
-        commands.submit(self.device)?;
+        commands.send(self.device)?;
         Ok(())
     }
 
@@ -359,11 +409,56 @@ impl<'a> Shaders<'a> {
             return Ok(());
         }
         let rows = Buffer::of(self.device, "rows of outputs", rows)?;
-        let mut commands = Commands::new();
+        let mut commands = staged("shade");
         let bound = [rows.bind(), results.bind(), outputs.of_points.bind()];
         commands.dispatch(self.device, &outputs.kernels.point_outputs, &bound, &[n as u32], groups(n, 256));
-        commands.submit(self.device)?;
+        commands.send(self.device)?;
         Ok(())
+    }
+}
+
+/// A grid with points that are shaded, and how many these are.
+struct Wanted {
+    chosen: Chosen,
+    count: usize,
+}
+
+/// What goes to values before a kernel runs.
+enum Before<'a> {
+    /// Points of tiles that the device dices.
+    Caps(&'a Few<'a>, &'a Caps),
+    /// What a surface's kernel has found, by runs.
+    Surface(&'a Buffer<f32>, &'a [[u32; 4]]),
+}
+
+/// Points that are ready to be shaded: for the surface's kernel, and for the atmosphere's.
+struct Prepared<'a> {
+    batch: Batch<'a>,
+    later: Option<Batch<'a>>,
+    few: Few<'a>,
+}
+
+impl<'a> Prepared<'a> {
+    /// Of the points of grids of a look that are wanted.
+    fn new(
+        frame: &Frame<'_>,
+        look: &'a Look,
+        grids: &[Diced],
+        (own, wanted): (&[Wanted], &[u32]),
+        takes_outputs: bool,
+    ) -> Result<Prepared<'a>, Refusal> {
+        let item = grids[own[0].chosen.index].item;
+        let view = frame.scene.view(item);
+        let scene = View::new(frame.scene, &frame.rays, item, &view, [0.0; 2]);
+        let mut batch = Batch::new(&look.kernel, &look.lights, &scene)?;
+        let mut later = look.through.as_ref().map(|kernel| Batch::new(kernel, &look.lights, &scene)).transpose()?;
+        let mut few = Few::of(&look.kernel, takes_outputs);
+        for one in own {
+            few.add(frame, &grids[one.chosen.index], (one.chosen, wanted), &mut batch, later.as_mut())?;
+        }
+        let first = batch.place_filled() as u32;
+        few.of_caps.iter_mut().step_by(2).for_each(|row| row[3] += first);
+        Ok(Prepared { batch, later, few })
     }
 }
 

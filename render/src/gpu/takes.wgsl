@@ -8,7 +8,8 @@ fn key_of(z: f32) -> u32 {
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let k = (group.x + group.y * 65535u) * 64u + thread;
-    if k < params[8] {
+    // One without points of a row is not there.
+    if k < params[8] && micropolygons[params[7] + k].y != 0u {
         sample_micropolygon(params[7] + k);
     }
 }

@@ -1,7 +1,8 @@
 //! The half of a sphere that the eye sees, diced evenly as the eye sees it.
 
 use crate::gprim::grid::{Grid, Sink, Subject};
-use crate::gprim::sphere::lattice::{LatticeSphere, TILE, eye_in_lattice, fill};
+use crate::gprim::sphere::lattice::{LatticeSphere, TILE, eye_in_lattice, fill, start};
+use crate::gprim::sphere::tile::{self, CapTile, eighth};
 use crate::scene::motion::Instant;
 use glam::Vec3;
 
@@ -112,8 +113,28 @@ impl Cap {
                 continue;
             }
             grid.tile = Some([CAP, i[0], i[1], j[0], j[1]].map(|k| k as u32));
+            if !self.apron && sink.takes_caps(self.rings.len()) {
+                start(subject, &sphere, [i, j].map(|[lo, hi]| hi - lo + 1), grid);
+                sink.take_cap(self.tile(subject, &sphere, [i[0], j[0]]), grid);
+                continue;
+            }
             self.dice_tile(subject, &sphere, i, j, scratch, grid);
             sink.take(grid);
+        }
+    }
+
+    /// The tile from a column and a row on.
+    fn tile(&self, subject: &Subject<'_>, sphere: &LatticeSphere, first: [usize; 2]) -> CapTile {
+        let half = self.half() as i32;
+        CapTile {
+            center: sphere.center,
+            linear: sphere.linear,
+            normals: sphere.normals,
+            axes: self.axes,
+            rings: self.rings.clone(),
+            outline: self.outline,
+            first: first.map(|k| k as i32 - half),
+            outward: if subject.view.attributes.reversed { -1.0 } else { 1.0 },
         }
     }
 
@@ -179,16 +200,13 @@ pub struct Disk {
 
 impl Disk {
     fn direction(&mut self, a: i32, b: i32) -> [f32; 2] {
-        let (x, y) = (a.unsigned_abs() as usize, b.unsigned_abs() as usize);
-        let (ring, along) = (x.max(y), x.min(y));
-        while self.eighths.len() <= ring {
-            let n = self.eighths.len();
-            let at = |k: usize| (std::f32::consts::FRAC_PI_4 * k as f32 / n.max(1) as f32).sin_cos();
-            self.eighths.push((0..=n).map(|k| [at(k).1, at(k).0]).collect());
-        }
-        let [near, far] = self.eighths[ring][along];
-        let (cos, sin) = if x >= y { (near, far) } else { (far, near) };
-        [if a < 0 { -cos } else { cos }, if b < 0 { -sin } else { sin }]
+        tile::direction(a, b, |ring, along| {
+            while self.eighths.len() <= ring {
+                let n = self.eighths.len();
+                self.eighths.push((0..=n).map(|k| eighth(n, k)).collect());
+            }
+            self.eighths[ring][along]
+        })
     }
 }
 

@@ -44,18 +44,30 @@ pub fn eye_in_lattice(camera: &Camera, sphere: &LatticeSphere, instant: &Instant
     sphere.to_lattice * to
 }
 
-/// Make the grid of the points of a sphere in some directions, with the normals of others, in rows.
-pub fn fill(
-    subject: &Subject<'_>,
-    sphere: &LatticeSphere,
-    [nu, nv]: [usize; 2],
-    directions: &[(Vec3, Vec3)],
-    grid: &mut Grid,
-) {
+/// Begin a grid of a sphere: all that its points have alike.
+pub fn start(subject: &Subject<'_>, sphere: &LatticeSphere, [nu, nv]: [usize; 2], grid: &mut Grid) {
     let view = subject.view;
     let points = &mut grid.points;
     (points.nu, points.nv) = (nu, nv);
     points.orientation = if view.attributes.reversed { -sphere.orientation } else { sphere.orientation };
+    [Global::P, Global::N, Global::Ng].into_iter().for_each(|global| points.refill(global).clear());
+    grid.deformed.clear();
+    grid.trimmed.clear();
+    view.fill_variables(points);
+    view.to_current(points);
+}
+
+/// Make the grid of the points of a sphere in some directions, with the normals of others, in rows.
+pub fn fill(
+    subject: &Subject<'_>,
+    sphere: &LatticeSphere,
+    size: [usize; 2],
+    directions: &[(Vec3, Vec3)],
+    grid: &mut Grid,
+) {
+    start(subject, sphere, size, grid);
+    let view = subject.view;
+    let points = &mut grid.points;
     let n = points.n();
     let mut p = std::mem::take(points.refill(Global::P));
     let mut normal = std::mem::take(points.refill(Global::N));
@@ -69,11 +81,6 @@ pub fn fill(
     }
     *points.refill(Global::P) = p;
     *points.refill(Global::N) = normal;
-    points.refill(Global::Ng);
-    grid.deformed.clear();
-    grid.trimmed.clear();
-    view.fill_variables(points);
-    view.to_current(points);
     if subject.needs_parameters() {
         let of = |(d, _): &(Vec3, Vec3)| sphere_uv(sphere.to_object * *d);
         for (axis, globals) in [[Global::U, Global::S], [Global::V, Global::T]].into_iter().enumerate() {

@@ -23,6 +23,31 @@ pub enum Fault {
 /// Where a slot's numbers begin; 0 none, 1 one value, 2 a value a point.
 type Row = [u32; 2];
 
+impl Kernel {
+    /// Rows of its buffer `status`, which begin as zeros; batches one after another may share it.
+    pub fn n_status(&self) -> usize {
+        2 * self.shaders.len()
+    }
+
+    /// What it found wrong, by its status.
+    pub fn faults(&self, status: &[u32]) -> Vec<Fault> {
+        let mut faults = vec![];
+        for (shader, status) in self.shaders.iter().zip(status.chunks_exact(2)) {
+            let program = &shader.bound.program;
+            let place = |at: u32| (program.name.clone(), program.place(at - 1).to_string());
+            if status[0] > 0 {
+                let (name, place) = place(status[0]);
+                faults.push(Fault::Endless(name, place));
+            }
+            if status[1] > 0 {
+                let (name, place) = place(status[1]);
+                faults.push(Fault::Outside(name, place));
+            }
+        }
+        faults
+    }
+}
+
 /// A slot without values.
 const NONE: Row = [0, 0];
 
@@ -40,6 +65,9 @@ pub struct Batch<'k> {
     /// Numbers of all inputs; at least one.
     pub values: Vec<f32>,
     n_results: usize,
+    /// Slots whose numbers the host's kernels fill, and count of these.
+    filled: Vec<u32>,
+    n_filled: usize,
 }
 
 impl<'k> Batch<'k> {
@@ -50,7 +78,8 @@ impl<'k> Batch<'k> {
     /// A light that kernels do not have.
     pub fn new(kernel: &'k Kernel, lights: &[Arc<BoundShader>], scene: &dyn Scene) -> Result<Batch<'k>, Refused> {
         let (groups, grids, slots, rows, values) = (vec![], vec![], vec![], vec![], vec![0.0]);
-        let mut batch = Batch { kernel, groups, grids, slots, lights: rows, values, n_results: 0 };
+        let (n_results, filled, n_filled) = (0, vec![], 0);
+        let mut batch = Batch { kernel, groups, grids, slots, lights: rows, values, n_results, filled, n_filled };
         let asked = if kernel.of_light.is_empty() { &[] } else { lights };
         assert_eq!(asked.len(), kernel.of_light.len(), "lights of another kernel");
         for (k, (light, index)) in asked.iter().zip(&kernel.of_light).enumerate() {
@@ -59,7 +88,7 @@ impl<'k> Batch<'k> {
             }
             let first = batch.slots.len() as u32;
             let none = Points::new(1, 1, 1.0);
-            batch.inputs(&kernel.shaders[*index], light, &VariableSlots::default(), &none, scene)?;
+            batch.inputs(&kernel.shaders[*index], light, &VariableSlots::default(), &none, (scene, &[]))?;
             let has = |(bit, category): (usize, &String)| (light.in_category(category) as u32) << bit;
             let categories = kernel.categories.iter().enumerate().map(has).sum();
             batch.lights.push([*index as u32, first, categories, light.program.is_ambient as u32]);
@@ -80,6 +109,22 @@ impl<'k> Batch<'k> {
         points: &Points,
         scene: &dyn Scene,
     ) -> Result<usize, Refused> {
+        self.add_filled(shader, variables, points, scene, &[])
+    }
+
+    /// Add a grid, of which some globals are filled by kernels of the host: values of all points, one global's runs after another's. They stand
+    /// behind all others, as [`Batch::place_filled`] says when all grids are added.
+    ///
+    /// # Errors
+    /// Those of [`Batch::add`].
+    pub fn add_filled(
+        &mut self,
+        shader: &BoundShader,
+        variables: &VariableSlots,
+        points: &Points,
+        scene: &dyn Scene,
+        filled: &[Global],
+    ) -> Result<usize, Refused> {
         assert!(self.kernel.is_of(shader), "`{}` is not the kernel's shader", shader.program.name);
         let (n, index) = (points.n(), self.grids.len() / 3);
         for (what, names, answer) in &self.kernel.asked {
@@ -94,7 +139,7 @@ impl<'k> Batch<'k> {
             return Err(Refused { shader: shader.program.name.clone(), reason });
         }
         let first = self.slots.len() as u32;
-        self.inputs(&self.kernel.shaders[0], shader, variables, points, scene)?;
+        self.inputs(&self.kernel.shaders[0], shader, variables, points, (scene, filled))?;
         let n_lights = self.lights.len() as u32 - 1;
         self.grids.push([n as u32, points.nu as u32, points.orientation.to_bits(), first]);
         self.grids.push([0, n_lights, self.n_results as u32, 0]);
@@ -104,7 +149,7 @@ impl<'k> Batch<'k> {
         self.groups.extend((0..n).step_by(each.max(1)).map(|k| [index as u32, k as u32]));
         self.n_results += n * self.kernel.n_results();
         // Places are numbers of 32 bits.
-        if self.values.len().max(self.n_results) > u32::MAX as usize / 4 {
+        if (self.values.len() + self.n_filled).max(self.n_results) > u32::MAX as usize / 4 {
             let reason = "has more values than a kernel can count".into();
             return Err(Refused { shader: shader.program.name.clone(), reason });
         }
@@ -112,9 +157,29 @@ impl<'k> Batch<'k> {
     }
 
     /// Give the host's functions numbers of a grid, which they read in [`Batch::values`] from `work.own` on.
-    pub fn give(&mut self, grid: usize, own: &[f32]) {
-        self.grids[3 * grid + 1][3] = self.values.len() as u32;
+    /// Where they begin.
+    pub fn give(&mut self, grid: usize, own: &[f32]) -> usize {
+        let first = self.values.len();
+        self.grids[3 * grid + 1][3] = first as u32;
         self.values.extend_from_slice(own);
+        first
+    }
+
+    /// Count of numbers that kernels of the host fill, so far.
+    pub fn n_filled(&self) -> usize {
+        self.n_filled
+    }
+
+    /// Say where what kernels of the host fill stands when all grids are added: behind all other values, from this number on.
+    pub fn place_filled(&mut self) -> usize {
+        let first = self.values.len();
+        self.filled.drain(..).for_each(|slot| self.slots[slot as usize][0] += first as u32);
+        first
+    }
+
+    /// Count of the numbers of all inputs, those that are filled included.
+    pub fn n_values(&self) -> usize {
+        self.values.len() + self.n_filled
     }
 
     /// Where the values of a global at the points of a grid begin in [`Batch::values`], if it has one a point.
@@ -136,7 +201,7 @@ impl<'k> Batch<'k> {
 
     /// Rows of the buffer `status`, which begin as zeros.
     pub fn n_status(&self) -> usize {
-        2 * self.kernel.shaders.len()
+        self.kernel.n_status()
     }
 
     /// Set the globals that the kernel changed at the points of a grid, as the grid machine does: those that the points have.
@@ -166,20 +231,7 @@ impl<'k> Batch<'k> {
 
     /// What the kernel found wrong.
     pub fn faults(&self, status: &[u32]) -> Vec<Fault> {
-        let mut faults = vec![];
-        for (shader, status) in self.kernel.shaders.iter().zip(status.chunks_exact(2)) {
-            let program = &shader.bound.program;
-            let place = |at: u32| (program.name.clone(), program.place(at - 1).to_string());
-            if status[0] > 0 {
-                let (name, place) = place(status[0]);
-                faults.push(Fault::Endless(name, place));
-            }
-            if status[1] > 0 {
-                let (name, place) = place(status[1]);
-                faults.push(Fault::Outside(name, place));
-            }
-        }
-        faults
+        self.kernel.faults(status)
     }
 
     /// The inputs of a shader: globals, parameters, and what else it asks for.
@@ -189,11 +241,19 @@ impl<'k> Batch<'k> {
         bound: &BoundShader,
         variables: &VariableSlots,
         points: &Points,
-        scene: &dyn Scene,
+        (scene, filled): (&dyn Scene, &[Global]),
     ) -> Result<(), Refused> {
         let n = points.n();
+        let first = self.n_filled;
         for global in Global::all() {
             let width = global.kind().width();
+            if let Some(k) = filled.iter().position(|own| *own == global) {
+                let before: usize = filled[..k].iter().map(|own| own.kind().width()).sum();
+                self.filled.push(self.slots.len() as u32);
+                self.slots.push([(first + before * n) as u32, 2]);
+                self.n_filled += width * n;
+                continue;
+            }
             let row = match points.get(global).filter(|values| !values.is_empty()) {
                 Some(values) => self.push(values, width, n),
                 None => match unset(global, scene) {

@@ -1,0 +1,198 @@
+//! Tiles of spheres' caps that the device dices: what it is given of each, and of those of them that are shaded.
+
+use crate::cpu::frame::Frame;
+use crate::gprim::sphere::tile::CapTile;
+use crate::gpu::front::Diced;
+use crate::gpu::kernels::{FrameKernels, groups, staged};
+use glam::Mat4;
+use gpu::{Buffer, Commands, Device, GpuError, Work};
+
+/// Rows of a tile: `cap.wgsl` has what they are.
+const ROWS: usize = 13;
+
+/// Tiles that wait for their colours.
+pub struct Caps {
+    rows: Buffer<[u32; 4]>,
+    rings: Buffer<[f32; 2]>,
+    matrices: Buffer<[f32; 4]>,
+    /// Least depths.
+    least: Buffer<u32>,
+    /// Tiles that were hidden, and micropolygons that are not there.
+    left_out: Buffer<u32>,
+    n: usize,
+    n_rings: usize,
+    n_matrices: usize,
+}
+
+/// What is added to them together.
+#[derive(Default)]
+pub struct Added {
+    rows: Vec<[u32; 4]>,
+    rings: Vec<[f32; 2]>,
+    matrices: Vec<[f32; 4]>,
+}
+
+/// Where the points and micropolygons of a tile are: its first place, its first micropolygon, its first point, what its micropolygons are, its
+/// track.
+pub struct Placed {
+    pub place: usize,
+    pub micropolygon: usize,
+    pub point: usize,
+    pub flags: u32,
+    pub track: u32,
+}
+
+/// Where tiles are diced to: what kernels are told of the window, the depths of its blocks, points, micropolygons.
+pub struct DiceGoal<'a> {
+    pub head: [u32; 7],
+    pub blocks: &'a Buffer<u32>,
+    pub points: &'a Buffer<[f32; 4]>,
+    pub micropolygons: &'a Buffer<[u32; 4]>,
+}
+
+impl Caps {
+    /// None yet.
+    ///
+    /// # Errors
+    /// Those of [`Buffer::zeros`].
+    pub fn new(device: &Device, frame: &Frame<'_>) -> Result<Caps, GpuError> {
+        let camera = columns(&frame.camera.to_camera);
+        Ok(Caps {
+            rows: Buffer::zeros(device, "caps", 1)?,
+            rings: Buffer::zeros(device, "rings", 1)?,
+            matrices: Buffer::of(device, "matrices to camera space", &camera)?,
+            least: Buffer::zeros(device, "least depths of caps", 1)?,
+            left_out: Buffer::zeros(device, "hidden caps", 2)?,
+            n: 0,
+            n_rings: 0,
+            n_matrices: camera.len(),
+        })
+    }
+
+    /// No tile waits any more.
+    pub fn forget(&mut self) {
+        (self.n, self.n_rings, self.n_matrices) = (0, 0, 4);
+    }
+
+    /// Note a tile among those that are added.
+    pub fn note(&self, added: &mut Added, grid: &Diced, placed: &Placed) {
+        let Some(cap) = &grid.cap else { return };
+        let CapTile { center, linear, normals, axes, rings, outline, first, outward } = &cap.tile;
+        let [first_ring, matrix] = [self.n_rings + added.rings.len(), self.n_matrices + added.matrices.len()];
+        let [nu, nv] = [grid.points.nu as u32, grid.points.nv as u32];
+        let number = |v: glam::Vec3, w: f32| v.extend(w).to_array().map(f32::to_bits);
+        let [column, row] = first.map(|k| k as u32);
+        added.rows.extend([
+            [placed.place as u32, placed.micropolygon as u32, nu, nv],
+            [column, row, first_ring as u32, outline.0 as u32],
+            [
+                placed.flags,
+                placed.track,
+                cap.n_moments() as u32,
+                if cap.to_camera.is_empty() { 0 } else { matrix as u32 },
+            ],
+            number(*center, outline.1[0]),
+            number(axes[0], outline.1[1]),
+            number(axes[1], *outward),
+            number(axes[2], f32::from_bits(placed.point as u32)),
+        ]);
+        let matrices = [linear, normals].map(|m| [m.x_axis, m.y_axis, m.z_axis]);
+        added.rows.extend(matrices.iter().flatten().map(|column| number(*column, 0.0)));
+        added.rings.extend_from_slice(rings);
+        added.matrices.extend(cap.to_camera.iter().flat_map(columns));
+    }
+
+    /// Add tiles; the first of them and their count.
+    ///
+    /// # Errors
+    /// Those of [`Buffer::reserve`].
+    pub fn add(&mut self, device: &Device, added: &Added) -> Result<[usize; 2], GpuError> {
+        let (first, n) = (self.n, added.rows.len() / ROWS);
+        self.rows.reserve(device, ROWS * (first + n))?;
+        self.rings.reserve(device, self.n_rings + added.rings.len())?;
+        self.matrices.reserve(device, self.n_matrices + added.matrices.len())?;
+        self.least.reserve(device, first + n)?;
+        self.rows.write_from(device, ROWS * first, &added.rows);
+        self.rings.write_from(device, self.n_rings, &added.rings);
+        self.matrices.write_from(device, self.n_matrices, &added.matrices);
+        self.n += n;
+        self.n_rings += added.rings.len();
+        self.n_matrices += added.matrices.len();
+        Ok([first, n])
+    }
+
+    /// Dice tiles, of which those behind the depths of blocks are left out if `culls`.
+    ///
+    /// # Errors
+    /// Those of [`Device::check`].
+    pub fn dice(
+        &self,
+        device: &Device,
+        goal: &DiceGoal<'_>,
+        kernels: &FrameKernels,
+        frame: &Frame<'_>,
+        [first, n]: [usize; 2],
+        culls: bool,
+    ) -> Result<(), GpuError> {
+        let camera = &frame.camera;
+        let [reach, inverse] = camera.focus().map_or([0.0; 2], |[reach, sharp]| [reach, 1.0 / sharp]);
+        let [center, scale] = [camera.center, camera.scale];
+        let numbers = [camera.near, camera.far, center.x, center.y, scale.x, scale.y, reach, inverse];
+        let own = [first as u32, n as u32, culls as u32];
+        let params: Vec<u32> =
+            goal.head.into_iter().chain(own).chain(numbers.iter().map(|number| number.to_bits())).collect();
+        let bound = [
+            self.rows.bind(),
+            self.rings.bind(),
+            kernels.disk.bind(),
+            self.matrices.bind(),
+            goal.blocks.bind(),
+            goal.points.bind(),
+            goal.micropolygons.bind(),
+            self.least.bind(),
+            self.left_out.bind(),
+        ];
+        let mut commands = staged("dice");
+        commands.dispatch(device, &kernels.cap_dice, &bound, &params, groups(n, 1));
+        commands.send(device)
+    }
+
+    /// Record that values are given the points of tiles that are shaded: two rows of each tile, and the points.
+    pub fn give(
+        &self,
+        device: &Device,
+        kernels: &FrameKernels,
+        frame: &Frame<'_>,
+        commands: &mut Commands,
+        (given, listed, values): (&Buffer<[u32; 4]>, &Buffer<u32>, &Buffer<f32>),
+        n: usize,
+    ) {
+        let camera = &frame.camera;
+        let scale = camera.scale.x.abs().max(camera.scale.y.abs());
+        let numbers = camera.eye.to_array().into_iter().chain([scale, camera.near]).map(f32::to_bits);
+        let params: Vec<u32> = [0; 8].into_iter().chain([n as u32]).chain(numbers).collect();
+        let bound = [
+            self.rows.bind(),
+            self.rings.bind(),
+            kernels.disk.bind(),
+            self.least.bind(),
+            given.bind(),
+            listed.bind(),
+            values.bind(),
+        ];
+        commands.dispatch(device, &kernels.cap_points, &bound, &params, Work::Groups(n as u32));
+    }
+
+    /// Count of the tiles that were hidden so far, and of the micropolygons that were not there.
+    ///
+    /// # Errors
+    /// Those of [`Buffer::read`].
+    pub fn left_out(&self, device: &Device) -> Result<[u64; 2], GpuError> {
+        let all = self.left_out.read(device, 2)?;
+        Ok([all[0], all[1]].map(u64::from))
+    }
+}
+
+fn columns(m: &Mat4) -> [[f32; 4]; 4] {
+    m.to_cols_array_2d()
+}

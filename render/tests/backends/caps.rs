@@ -1,0 +1,59 @@
+//! Spheres whose caps the device dices.
+
+use super::{CAMERA, Compared, LIT, balls, compare, device, render};
+use render::DeviceRenderer;
+use std::sync::Arc;
+
+/// Spheres whose caps the device dices: every sample sees the triangle that it sees on the processor, and what goes to the device is what caps
+/// follow from, not their points. One-sided ones are diced by the processor.
+#[test]
+fn caps_of_spheres_are_diced_on_a_device() {
+    let Some(device) = device() else { return };
+    let near = "TransformBegin Translate 0.4 0.2 -2 Scale 1 0.6 1.3 Sphere 1.5 -1.5 1.5 360 TransformEnd";
+    let moving = "MotionBegin [0 0.4 1] Translate 0 0 0 Translate 0.2 0.1 0 Translate 0.3 0.1 0.2 MotionEnd";
+    for (name, options, motion) in [
+        ("still", "", ""),
+        ("motion", "Shutter 0 1", moving),
+        ("lens", "DepthOfField 4 0.3 5.5", ""),
+        ("parallel", "Projection \"orthographic\" ScreenWindow -3 3 -2 2", ""),
+    ] {
+        let camera = CAMERA.replacen("Translate", &format!("{options} Translate"), 1);
+        let rib = |sides: u32| {
+            format!(
+                "{camera}{LIT}Sides {sides} ShadingRate 0.1 {motion} {} Color [0.3 0.9 0.4] {near} WorldEnd",
+                balls(40)
+            )
+        };
+        let c @ Compared { ids, pixels, holes, seen, .. } = compare(&rib(2), &device);
+        let is_same = c.agrees() && seen > 1000 && (ids == 1.0 || name != "still");
+        assert!(is_same, "{name}: ids {ids}, pixels {pixels}, holes {holes}, {seen} samples see something");
+        let bytes = |sides: u32| {
+            let stats = render(&rib(sides), Some(device.clone()), None).stats;
+            let device = stats.device.expect("an image of a device");
+            assert!(device.waits > 0 && device.submissions > device.waits && device.bytes_read > 0);
+            assert!(stats.micropolygons > 10_000, "{} micropolygons", stats.micropolygons);
+            device.bytes_written as f64 / stats.micropolygons as f64
+        };
+        let [two, one] = [bytes(2), bytes(1)];
+        eprintln!("{name}: {two} and {one} bytes a micropolygon");
+        // A point and a micropolygon are 32 bytes.
+        assert!(name == "parallel" || two + 20.0 < one, "{name}: {two} and {one} bytes a micropolygon");
+    }
+}
+
+/// What is within a bound, and is hidden, is not sampled, whoever dices it: caps behind a wall, and beside the image.
+#[test]
+fn caps_that_are_hidden_are_counted_on_a_device() {
+    if device().is_none() {
+        return;
+    }
+    let mut device = DeviceRenderer::open(&gpu::Choice::Any).unwrap();
+    (device.limits.wave, device.limits.round) = ([64, 64], 8);
+    let device = Arc::new(device);
+    let wall = "Patch \"bilinear\" \"P\" [-4 -4 -3 4 -4 -3 -4 4 -3 4 4 -3]";
+    let own = render(&format!("{CAMERA}{LIT}{} {wall} WorldEnd", balls(40)), Some(device.clone()), None);
+    let open = render(&format!("{CAMERA}{LIT}{} WorldEnd", balls(40)), Some(device), None);
+    let sampled = |stats: &render::Stats| (stats.grids - stats.grids_hidden, stats.micropolygons);
+    assert!(own.stats.grids_hidden > 0, "{:?}", own.stats);
+    assert!(sampled(&own.stats) < sampled(&open.stats), "{:?} {:?}", own.stats, open.stats);
+}
