@@ -2,10 +2,11 @@
 
 use crate::device::{Device, Taken};
 use crate::error::GpuError;
+use crate::mapped::{Mapped, map, mapped_rows};
 use bytemuck::Pod;
 use std::marker::PhantomData;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::mpsc::TryRecvError;
 use wgpu::BufferUsages as Usage;
 
 /// A storage buffer of rows of type `T`, at least one. Clones are the same memory.
@@ -161,33 +162,17 @@ fn take(device: &Device, name: &str, bytes: u64) -> Result<Arc<Taken>, GpuError>
     device.memory.take(bytes).map_err(|limit| GpuError::Limit { buffer: name.into(), bytes, limit })
 }
 
-/// Map a buffer for reading, once the work that has been submitted is done. The receiver is told so.
-pub(crate) fn map(buffer: &wgpu::Buffer) -> Receiver<Result<(), String>> {
-    let (send, mapped) = channel();
-    buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-        // The reader may have gone.
-        let _ = send.send(result.map_err(|e| e.to_string()));
-    });
-    mapped
-}
-
 /// Wait for a buffer that is being mapped, which the work up to a submission writes.
 ///
 /// # Errors
 /// Those of [`Device::check`].
 pub(crate) fn wait_for_map(
     device: &Device,
-    mapped: &Receiver<Result<(), String>>,
+    mapped: &Mapped,
     submission: &wgpu::SubmissionIndex,
 ) -> Result<(), GpuError> {
     device.wait_for(submission)?;
     mapped.recv().map_err(|_| GpuError::Device("a transfer was dropped".into()))?.map_err(GpuError::Device)
-}
-
-/// The first `n` rows of a mapped buffer.
-pub(crate) fn mapped_rows<T: Pod>(buffer: &wgpu::Buffer, n: usize) -> Result<Vec<T>, GpuError> {
-    let view = buffer.get_mapped_range(..).map_err(|e| GpuError::Device(e.to_string()))?;
-    Ok(bytemuck::pod_collect_to_vec(&view[..n * size_of::<T>()]))
 }
 
 /// Rows on their way back from a device.
@@ -195,7 +180,7 @@ pub struct ReadBack<T> {
     staging: wgpu::Buffer,
     /// What they take of the device's memory.
     _taken: Arc<Taken>,
-    mapped: Receiver<Result<(), String>>,
+    mapped: Mapped,
     submission: wgpu::SubmissionIndex,
     n: usize,
     row: PhantomData<T>,

@@ -1,11 +1,11 @@
 //! Commands: dispatches, copies and clears, recorded once and submitted together any number of times, timed by stage.
 
-use crate::buffer::{Bound, Buffer};
+use crate::buffer::{Bound, Buffer, wait_for_map};
 use crate::device::Device;
 use crate::error::GpuError;
 use crate::kernel::Kernel;
 use crate::pace::{Key, Unit};
-use crate::times::{MAX_TIMED, Ticks, Times};
+use crate::times::{MAX_TIMED, Span, Ticks, Times, Timings};
 use bytemuck::Pod;
 use std::time::Instant;
 
@@ -194,7 +194,7 @@ impl Prepared {
             .flat_map(|(k, own)| own.chunk_by(|a, b| a.1.key.0 == b.1.key.0).map(move |units| (k, units)))
             .collect();
         let is_timed = device.has_timestamps && (1..=MAX_TIMED).contains(&spans.len());
-        let times = is_timed.then(|| Times::take(device, spans.len()));
+        let times = is_timed.then(|| Times::take(&device.raw, &mut device.idle_times(), spans.len()));
         let mut next = 0;
         let mut submissions = vec![];
         for (k, submission) in plan.iter().enumerate() {
@@ -334,18 +334,14 @@ fn transfer(encoder: &mut wgpu::CommandEncoder, command: &Command) {
     }
 }
 
-/// The times of the stages of submitted commands.
-pub struct Timings {
-    spans: Vec<Span>,
-    ticks: Option<Ticks>,
-    /// Whether later submissions are cut by these times.
-    is_observed: bool,
-}
-
-/// Commands of the same stage in a submission.
-struct Span {
-    submission: usize,
-    units: Vec<Unit>,
+impl Ticks {
+    /// The ticks, two to a span; waits for them.
+    fn wait(self, device: &Device) -> Result<Vec<u64>, GpuError> {
+        wait_for_map(device, &self.mapped, &self.submission)?;
+        let (ticks, times) = self.take()?;
+        device.idle_times().push(times);
+        Ok(ticks)
+    }
 }
 
 impl Timings {

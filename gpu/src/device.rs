@@ -1,10 +1,9 @@
 //! The device: an adapter opened without a window, its queue, and its faults.
 
 use crate::adapter::{Adapter, Choice, USED, choose};
-use crate::commands::Timings;
 use crate::error::GpuError;
 use crate::pace::Pace;
-use crate::times::Times;
+use crate::times::{Times, Timings};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;

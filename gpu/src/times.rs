@@ -1,9 +1,8 @@
 //! Timestamps at the beginning and the end of spans of commands, on the device and on their way back.
 
-use crate::buffer::{map, mapped_rows, wait_for_map};
-use crate::device::Device;
 use crate::error::GpuError;
-use std::sync::mpsc::Receiver;
+use crate::mapped::{Mapped, map, mapped_rows};
+use crate::pace::Unit;
 use wgpu::BufferUsages as Usage;
 
 /// The most spans that are timed, by the limit of a query set.
@@ -27,26 +26,24 @@ pub(crate) struct Times {
 /// Timestamps on their way back.
 pub(crate) struct Ticks {
     times: Times,
-    mapped: Receiver<Result<(), String>>,
-    submission: wgpu::SubmissionIndex,
+    pub mapped: Mapped,
+    pub submission: wgpu::SubmissionIndex,
 }
 
 impl Times {
-    /// Room for `n` spans.
-    pub fn take(device: &Device, n: usize) -> Times {
-        let mut idle = device.idle_times();
+    /// Room for `n` spans: one that is idle, or a new one.
+    pub fn take(device: &wgpu::Device, idle: &mut Vec<Times>, n: usize) -> Times {
         if let Some(found) = idle.iter().position(|times| times.room >= n) {
             return Times { n, ..idle.swap_remove(found) };
         }
-        drop(idle);
         let room = n.next_power_of_two().clamp(LEAST, MAX_TIMED);
         let bytes = 16 * room as u64;
         let buffer = |usage| {
             let desc = wgpu::BufferDescriptor { label: Some("stages"), size: bytes, usage, mapped_at_creation: false };
-            device.raw.create_buffer(&desc)
+            device.create_buffer(&desc)
         };
         Times {
-            set: device.raw.create_query_set(&wgpu::QuerySetDescriptor {
+            set: device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: Some("stages"),
                 ty: wgpu::QueryType::Timestamp,
                 count: 2 * room as u32,
@@ -77,16 +74,24 @@ impl Times {
 }
 
 impl Ticks {
-    /// The ticks, two to a span; waits for them.
-    ///
-    /// # Errors
-    /// Those of [`Device::check`].
-    pub fn wait(self, device: &Device) -> Result<Vec<u64>, GpuError> {
-        let Ticks { times, mapped, submission } = self;
-        wait_for_map(device, &mapped, &submission)?;
-        let ticks = mapped_rows(&times.staging, 2 * times.n)?;
-        times.staging.unmap();
-        device.idle_times().push(times);
-        Ok(ticks)
+    /// The ticks, two to a span, once they are mapped; and the room that they had.
+    pub fn take(self) -> Result<(Vec<u64>, Times), GpuError> {
+        let ticks = mapped_rows(&self.times.staging, 2 * self.times.n)?;
+        self.times.staging.unmap();
+        Ok((ticks, self.times))
     }
+}
+
+/// The times of the stages of submitted commands.
+pub struct Timings {
+    pub(crate) spans: Vec<Span>,
+    pub(crate) ticks: Option<Ticks>,
+    /// Whether later submissions are cut by these times.
+    pub(crate) is_observed: bool,
+}
+
+/// Commands of the same stage in a submission.
+pub(crate) struct Span {
+    pub submission: usize,
+    pub units: Vec<Unit>,
 }
