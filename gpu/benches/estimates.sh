@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Estimated time of the stages on two GPUs, from bytes and instructions, as CSV: gpu/benches/estimates.sh >gpu/benches/results/estimates.csv
 # A stage takes as long as its columns take to move at the copy bandwidth, or its vector instructions to issue, whichever is longer, and its
-# dispatches besides. No GPU has been measured: what is assumed of each stands below.
+# dispatches besides. What is assumed of each stands below; what one was measured at is in README.md.
 set -euo pipefail
 cd "$(dirname "$0")/results"
 awk -F, '
@@ -28,20 +28,20 @@ FNR == 1 {
     }
 }' kernels.csv <(
     for spheres in 84000 1000000; do
-        # 11.7 pairs and 2.8 contacts of a sphere.
-        pairs=$((spheres * 117 / 10)) contacts=$((spheres * 28 / 10))
+        # 2.9 pairs and 2.8 contacts of a sphere.
+        pairs=$((spheres * 29 / 10)) contacts=$((spheres * 28 / 10))
         cat <<ROWS
 S $spheres,bounds,$spheres,80,bounds,2
 S $spheres,contact_write: pairs held,$pairs,24,contact_find,8
 S $spheres,contact_write: contacts,$contacts,72,contact_write,3
-S $spheres,Jacobi iteration,$contacts,250,jacobi_contact response,3
-S $spheres,APGD trial,$contacts,337,apgd_contact apgd_body,4
-S $spheres,Gauss–Seidel pass of two sweeps,$contacts,160,tile_sweep,10
+S $spheres,Jacobi iteration,$contacts,202,jacobi_contact spin_response,3
+S $spheres,APGD trial,$contacts,289,apgd_contact apgd_body,4
+S $spheres,Gauss–Seidel pass of two sweeps,$contacts,164,tile_sweep,6
 ROWS
     done
     cat <<'ROWS'
-mixed 100000,narrow phase: boxes,100000,120,box_contacts box_contacts,2
-mixed 100000,narrow phase: convex,900000,120,convex_contacts convex_contacts,2
-mixed 100000,Gauss–Seidel pass of two sweeps,600000,230,tile_manifolds,10
+mixed 100000,narrow phase: boxes,100000,120,box_contacts,2
+mixed 100000,narrow phase: convex,900000,120,convex_contacts,2
+mixed 100000,Gauss–Seidel pass of two sweeps,600000,234,tile_manifolds,6
 ROWS
 )

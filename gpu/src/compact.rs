@@ -45,7 +45,8 @@ impl Compact {
         &self.place
     }
 
-    /// Record the compaction of `count` flags to `ids` and their number `n_kept`.
+    /// Record the compaction of `count` flags to `ids` and their number `n_kept`. Where a count that is found on the device is 0, nothing is done: both
+    /// stay as they were.
     pub fn record(
         &self,
         device: &Device,

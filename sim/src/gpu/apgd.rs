@@ -6,8 +6,8 @@
 //! inout  motion   [n_bodies]    m/s, rad/s
 //! Kernels: apgd_contact.wgsl, apgd_body.wgsl, apgd_decide.wgsl, apgd_extrapolate.wgsl. Twin: cpu/solve/apgd.rs
 //!
-//! Bytes of a contact and trial: its row (48), x, previous and z read and x, previous and z written (96), and again by its two bodies (id
-//! 4, z 16, row 48 each): 280 from memory.
+//! Bytes of a contact and trial: its row (48), x, previous and z read and x, previous and z written (96), what z turns bodies by (16), and again
+//! by its two bodies (id 4, z 16, turn 16 each): 232 from memory.
 
 use super::iterates::Iterates;
 use super::parts::kernel_of;
@@ -16,7 +16,7 @@ use super::rows::Body;
 use gpu::{Bound, Buffer, Commands, Device, GpuError, Kernel, Kernels, Work};
 
 /// Bytes of a contact and trial from memory.
-pub const BYTES: f64 = 280.0;
+pub const BYTES: f64 = 232.0;
 
 /// The columns of the method, and its kernels.
 pub struct Apgd {

@@ -7,8 +7,8 @@
 //! Kernels: spectral_contact.wgsl, apgd_body.wgsl, spectral_decide.wgsl, spectral_take_contacts.wgsl, spectral_take_bodies.wgsl. Twin:
 //! cpu/solve/barzilai_borwein.rs
 //!
-//! Bytes of a contact and iteration: its row (48), x read and z written (32), again by its two bodies (id 4, z 16, row 48 each), and x and z
-//! read and x written where the step is taken (48): 264 from memory.
+//! Bytes of a contact and iteration: its row (48), x read and z written (32), what z turns bodies by (16), again by its two bodies (id 4, z 16,
+//! turn 16 each), and x and z read and x written where the step is taken (48): 216 from memory.
 
 use super::iterates::Iterates;
 use super::parts::kernel_of;
@@ -17,7 +17,7 @@ use super::rows::Body;
 use gpu::{Buffer, Commands, Device, GpuError, Kernel, Kernels, Work};
 
 /// Bytes of a contact and iteration from memory.
-pub const BYTES: f64 = 264.0;
+pub const BYTES: f64 = 216.0;
 
 /// The first step length.
 pub const FIRST: f64 = 1.0;

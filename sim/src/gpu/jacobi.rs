@@ -8,8 +8,8 @@
 //! Kernels: jacobi_contact.wgsl, jacobi_decide.wgsl, response.wgsl. Twin: cpu/solve/jacobi.rs; the residual here is that of the impulses
 //! before an iteration, so that one more is done than there.
 //!
-//! Bytes of a contact and iteration: its row (48), its impulse read and written (32), and again by its two bodies (id 4, impulse 16, row
-//! 48 each): 216 from memory. The velocities of the bodies, 32 bytes each, are read twice by a contact and written once; those of
+//! Bytes of a contact and iteration: its row (48), its impulse read and written (32), what it turns bodies by (16), and again by its two bodies
+//! (id 4, impulse 16, turn 16 each): 168 from memory. The velocities of the bodies, 32 bytes each, are read twice by a contact and written once; those of
 //! neighbours are near in memory and stay in the cache.
 
 use super::parts::{bits, kernel_of};
@@ -20,7 +20,7 @@ use crate::settings::SolverSettings;
 use gpu::{Commands, Device, GpuError, Kernels, Work};
 
 /// Bytes of a contact and iteration from memory.
-pub const BYTES: f64 = 216.0;
+pub const BYTES: f64 = 168.0;
 
 /// ω where the model gives none.
 pub const OMEGA: f64 = 0.3;

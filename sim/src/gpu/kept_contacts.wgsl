@@ -30,7 +30,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let k = list[i];
     let first = place[k];
     let end = place[k + 1u];
-    if end == first || end > n_contacts[0] {
+    // Without any pairs the list is that of the last step, and places are none.
+    if end <= first || end > n_contacts[0] {
         return;
     }
     for (var j = 0u; j < end - first; j++) {
