@@ -46,7 +46,7 @@ impl Context {
         params.iter().filter_map(|param| counts.surplus(param)).for_each(|said| self.scene.warn(said));
     }
 
-    /// The same of polygons with so many faces and corners, and say if corners are left over.
+    /// The same of polygons with a number of faces and of corners, and say if corners are left over.
     fn say_surplus_of_faces(&self, params: &Params, [faces, corners]: [usize; 2], vertices: &[i32]) {
         let points = params.iter().find(|p| p.decl.name == "P").map_or(0, |p| p.numbers().len() / 3);
         let counts = Counts { uniform: faces, varying: points, vertex: points, facevarying: corners };

@@ -54,7 +54,7 @@ pub trait Sink {
     fn takes_unseen(&self) -> bool {
         false
     }
-    /// Whether it takes tiles of spheres' caps of so many rings by what makes them.
+    /// Whether it takes tiles of spheres' caps of this number of rings by what makes them.
     fn takes_caps(&self, _n_rings: usize) -> bool {
         false
     }

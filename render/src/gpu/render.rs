@@ -286,7 +286,7 @@ impl<'a> Drawing<'a> {
     fn opaque(&mut self, room: &mut Room<'_>, window: &mut Window, items: Vec<(f32, Item)>) -> Result<(), Refusal> {
         let frame = self.frame;
         let limits = self.renderer.limits;
-        // About so many points of an item are there at once: of a sphere of some pixels.
+        // About the number of points of an item that are there at once: of a sphere of some pixels.
         room.samples.expect((32 * items.len()).min(limits.points))?;
         let mut front = Front::new(frame, items, limits.round);
         let (mut held, mut wave) = (vec![], limits.wave[0]);

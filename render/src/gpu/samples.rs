@@ -124,7 +124,7 @@ impl<'a> Samples<'a> {
         self.n_places
     }
 
-    /// Make room for so many points and their micropolygons, which are known to come.
+    /// Make room for a number of points and their micropolygons, which are known to come.
     ///
     /// # Errors
     /// Those of [`Buffer::reserve`].

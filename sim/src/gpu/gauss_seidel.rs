@@ -1,7 +1,7 @@
 //! Gauss–Seidel by tiles on a device: the bodies of a tile are loaded into the memory of a workgroup, its contacts are swept there colour by
 //! colour several times, and all is written back once. The tiles of a round share no moving body; four rounds, or eight, have all pairs of
 //! shapes that are not much larger than usual, and a last one the rest. The joints are solved at the end of each iteration. The pairs that touch
-//! are coloured anew in each step: pairs that are near alone, about four of five, would make twice as many colours.
+//! are coloured again in each step: pairs that are near alone, about four of five, would make twice as many colours.
 //! in     row       [n_contacts]
 //! inout  gamma     [n_contacts]  N s, world
 //! inout  motion    [n_bodies]    m/s, rad/s

@@ -11,8 +11,7 @@
 // inout claim       [n_bodies]   all ones in and out
 // out   color       [n_pairs]
 // out   tile_size   [n_tiles]    number of pairs without a colour, where a body has very many; number of colours
-#import sphere
-#import fixture
+#import side
 
 @group(0) @binding(0) var<storage, read> pairs: array<vec2<u32>>;
 @group(0) @binding(1) var<storage, read> sphere: array<Sphere>;
@@ -35,14 +34,6 @@ const MOST: u32 = 65000u;
 
 var<workgroup> n_left: atomic<u32>;
 var<workgroup> left: u32;
-
-fn body_of(side: u32) -> u32 {
-    let n = arrayLength(&sphere);
-    if side >= n {
-        return fixture[side - n].body;
-    }
-    return sphere[side].body;
-}
 
 // A number drawn from the place of a pair, another for each.
 fn drawn(k: u32) -> u32 {
@@ -113,19 +104,19 @@ fn main(@builtin(local_invocation_index) thread: u32) {
 }
 
 fn enter(side: u32, number: u32) {
-    let body = body_of(side);
+    let body = side_of(side).body;
     if activity[body] == MOVING {
         atomicMin(&claim[body], number);
     }
 }
 
 fn is_first(side: u32, number: u32) -> bool {
-    let body = body_of(side);
+    let body = side_of(side).body;
     return activity[body] != MOVING || atomicLoad(&claim[body]) == number;
 }
 
 fn leave(side: u32) {
-    let body = body_of(side);
+    let body = side_of(side).body;
     if activity[body] == MOVING {
         atomicStore(&claim[body], NONE);
     }

@@ -14,8 +14,7 @@
 // in   count     [1]          n_pairs if they are to be put into tiles, else 0
 // in   params    [4]          bits of the index of a cube; as bits its edge (m); bits of the number of least bins along it; number of ways
 // Twin: cpu/pair_write.rs
-#import sphere
-#import fixture
+#import side
 
 @group(0) @binding(0) var<storage, read> pairs: array<vec2<u32>>;
 @group(0) @binding(1) var<storage, read> sphere: array<Sphere>;
@@ -28,15 +27,6 @@
 @group(0) @binding(8) var<storage, read_write> id: array<u32>;
 @group(0) @binding(9) var<storage, read> count: array<u32>;
 @group(0) @binding(10) var<storage, read> params: array<u32>;
-
-// The body of a side of a pair.
-fn body_of(side: u32) -> u32 {
-    let n = arrayLength(&sphere);
-    if side >= n {
-        return fixture[side - n].body;
-    }
-    return sphere[side].body;
-}
 
 // Where a body is, in cubes.
 fn place_of(body: u32) -> vec3<f32> {
@@ -64,8 +54,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     id[k] = k;
-    var a = body_of(pairs[k].x);
-    var b = body_of(pairs[k].y);
+    var a = side_of(pairs[k].x).body;
+    var b = side_of(pairs[k].y).body;
     if activity[a] != MOVING {
         a = b;
     }

@@ -15,8 +15,7 @@
 // out  is_big      [n_tiles]
 // in   params      [3]          the most bodies of a tile that is not big, the index of this dispatch, and the number of dispatches
 // Twin: cpu/solve/schedule.rs
-#import sphere
-#import fixture
+#import side
 
 @group(0) @binding(0) var<storage, read> sorted: array<vec2<u32>>;
 @group(0) @binding(1) var<storage, read> sphere: array<Sphere>;
@@ -47,14 +46,6 @@ var<workgroup> n_listed: atomic<u32>;
 var<workgroup> has_failed: atomic<u32>;
 var<workgroup> is_full: u32;
 
-fn body_of(side: u32) -> u32 {
-    let n = arrayLength(&sphere);
-    if side >= n {
-        return fixture[side - n].body;
-    }
-    return sphere[side].body;
-}
-
 // The slot of a body, entered if it is not there and there is room.
 fn slot_of(body: u32) -> u32 {
     var slot = (body * 0x9e3779b1u) >> 22u;
@@ -77,7 +68,7 @@ fn slot_of(body: u32) -> u32 {
 }
 
 fn enter(side: u32) {
-    let body = body_of(side);
+    let body = side_of(side).body;
     // Past the limit a tile is big, whatever else it has.
     if activity[body] == MOVING && atomicLoad(&n_bodies) <= params[0] {
         slot_of(body);
@@ -85,7 +76,7 @@ fn enter(side: u32) {
 }
 
 fn local_of(side: u32) -> u32 {
-    let body = body_of(side);
+    let body = side_of(side).body;
     if activity[body] != MOVING {
         return 0xffffu;
     }

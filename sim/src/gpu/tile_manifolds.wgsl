@@ -94,12 +94,6 @@ fn sweep_tile(tile: u32, thread: u32) {
     let base = place[first];
     let size = tile_size[tile];
     let n = size.y;
-    if n == 0u {
-        if thread == 0u {
-            moved[tile] = 0.0;
-        }
-        return;
-    }
     workgroupBarrier();
     for (var i = thread; i < size.x; i += THREADS) {
         let body = motion[tile_body[2u * first + i]];
@@ -149,13 +143,5 @@ fn main(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    let end = select(round_start[params[0]], round_start[params[0] + 1u], scalars[0].goes_on == 1u);
-    let first = round_start[params[0]] + group.x * params[5] + params[4];
-    for (var tile = first; tile < end; tile += groups.x * params[5]) {
-        if is_big[tile] == 0u {
-            sweep_tile(tile, thread);
-        } else if thread == 0u {
-            moved[tile] = 0.0;
-        }
-    }
+    sweep_round(group.x, groups.x, thread);
 }
