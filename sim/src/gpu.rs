@@ -43,6 +43,7 @@ mod record;
 mod rest;
 pub mod rows;
 mod scale;
+mod sides;
 pub mod solids;
 mod spheres;
 mod surfaces;
@@ -106,14 +107,29 @@ pub struct Gpu {
     is_landing: bool,
     /// What the processor has found of a step, where it runs the first stages.
     before: Before,
+    /// What is expected of the pairs.
+    holding: Holding,
+}
+
+/// Whether the pairs of a step are expected to be those of the last one.
+#[derive(Default)]
+struct Holding {
+    /// Number of steps, from the start of the last one on, for which they hold if bodies go on as they did.
+    lasts: f64,
+    /// Steps that are to pass before they are expected to hold again, after they did not.
+    waits: u32,
+    /// Whether the step was begun as if they hold.
+    is_held: bool,
 }
 
 /// The recorded commands of a step.
 struct Recorded {
     /// The stages up to the contacts with their starting point.
     find: Commands,
-    /// The same, encoded for the next step.
-    ahead: Option<Prepared>,
+    /// The same for pairs that hold, where the device finds them.
+    held: Option<Commands>,
+    /// The one or, if so told, the other, encoded for the next step.
+    ahead: Option<(bool, Prepared)>,
     /// What follows by the method, and by Gauss–Seidel where it may take over.
     own: Solving,
     landing: Option<Solving>,
@@ -224,6 +240,7 @@ impl Gpu {
             has_found: false,
             is_landing: false,
             before: Before::new(from),
+            holding: Holding::default(),
         };
         gpu.record(model, plan)?;
         Ok(gpu)
@@ -345,6 +362,10 @@ impl Gpu {
             if summary.has_room == 1 {
                 break (summary, rounds);
             }
+            if self.holding.is_held && summary.lasts <= 0.0 {
+                self.holding.fail();
+                continue;
+            }
             if self.solve.has_undone(&self.device)? {
                 self.is_landing = !self.is_landing;
                 continue;
@@ -354,6 +375,7 @@ impl Gpu {
         let mut stage_ms = [0.0; Stage::ALL.len()];
         self.take_times(times, &mut stage_ms, rounds.map_or(summary.iterations, |rounds| rounds.iterations))?;
         self.n_contacts = summary.contacts as usize;
+        self.holding.pass(summary.lasts as f64);
         self.solve.n_last = Some(summary.iterations);
         let (n, room) = (self.solve.problem.n_bodies, self.collision.columns().0.capacity());
         self.device.expect_growth((n + room) as f64 / (n + self.n_contacts).max(1) as f64);
@@ -404,7 +426,12 @@ impl Gpu {
     /// Submit the stages up to the contacts with their starting point, with what the processor has found before.
     fn find(&mut self, model: &Model, plan: &StepPlan, state: &State, times: &mut Submissions) -> Result<(), Fault> {
         self.place_given(model, plan, state)?;
-        let find = self.recorded.ahead.take().unwrap_or_else(|| self.recorded.find.prepare(&self.device));
+        let hold = self.holding.is_likely(1.0);
+        let (is_held, find) = match self.recorded.ahead.take().filter(|(is_held, _)| *is_held == hold) {
+            Some(ahead) => ahead,
+            None => self.recorded.prepare(&self.device, hold),
+        };
+        self.holding.is_held = is_held;
         times.stages.push(find.submit(&self.device)?);
         Ok(())
     }
@@ -446,6 +473,10 @@ impl Gpu {
             let (room, n) = (room.wait(&self.device)?, n.wait(&self.device)?);
             if room[1] == 1 {
                 break n[0] as usize;
+            }
+            if self.holding.is_held {
+                self.holding.fail();
+                continue;
             }
             self.make_room(model, plan, [room[0], room[2]].map(|n| n as usize))?;
         };
@@ -539,7 +570,7 @@ impl Gpu {
         let end = if state.steps.is_multiple_of(self.recorded.period) { recovery } else { end };
         times.stages.push(end.submit(&self.device)?);
         // While the device is at this step, the next one is encoded.
-        self.recorded.ahead = Some(self.recorded.find.prepare(&self.device));
+        self.recorded.ahead = Some(self.recorded.prepare(&self.device, self.holding.is_likely(2.0)));
         Ok(Submitted::Done(rounds))
     }
 
@@ -553,7 +584,33 @@ impl Gpu {
 
 impl Recorded {
     fn empty() -> Recorded {
-        Recorded { find: Commands::new(), ahead: None, own: Solving::default(), landing: None, period: 1 }
+        Recorded { find: Commands::new(), held: None, ahead: None, own: Solving::default(), landing: None, period: 1 }
+    }
+
+    /// Encode the stages up to the contacts, for pairs that hold if it is likely and there are commands for these. Returns whether it is so.
+    fn prepare(&self, device: &Device, is_likely: bool) -> (bool, Prepared) {
+        let held = self.held.as_ref().filter(|_| is_likely);
+        (held.is_some(), held.unwrap_or(&self.find).prepare(device))
+    }
+}
+
+impl Holding {
+    /// Whether the pairs are likely to hold in the step that begins after this many: bodies do not go on quite as they did.
+    fn is_likely(&self, steps: f64) -> bool {
+        self.waits == 0 && self.lasts >= steps + 1.0
+    }
+
+    /// Take note of a step, at whose start the pairs held for this many.
+    fn pass(&mut self, lasts: f64) {
+        self.lasts = lasts;
+        self.waits = self.waits.saturating_sub(1);
+    }
+
+    /// Take note that they did not hold: the step is to be done again. So that this costs little, it takes a while until it may happen again.
+    fn fail(&mut self) {
+        /// Steps to wait.
+        const WAIT: u32 = 10;
+        *self = Holding { lasts: 0.0, waits: WAIT, is_held: false };
     }
 }
 

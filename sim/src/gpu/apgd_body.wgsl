@@ -22,7 +22,7 @@
 @group(0) @binding(3) var<storage, read> side: array<u32>;
 @group(0) @binding(4) var<storage, read> side_start: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read> motion_y: array<Body>;
-@group(0) @binding(6) var<storage, read_write> motion_next: array<Body>;
+@group(0) @binding(6) var<storage, read_write> motion_next: array<BodyRow>;
 @group(0) @binding(7) var<storage, read_write> parts: array<vec4<f32>>;
 @group(0) @binding(8) var<storage, read> mass: array<vec4<f32>>;
 @group(0) @binding(9) var<storage, read> orientation: array<vec4<f32>>;
@@ -34,7 +34,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     var energy = vec4(0.0);
     if body < arrayLength(&free) {
         let own = response_of(body);
-        motion_next[body] = own;
+        motion_next[body] = body_row(own);
         if own.inv_mass > 0.0 && !is_joined(own) {
             let v = own.v - motion_y[body].v;
             let w = own.w - motion_y[body].w;

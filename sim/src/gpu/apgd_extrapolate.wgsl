@@ -8,9 +8,9 @@
 #import solve_row
 #import scalars
 
-@group(0) @binding(0) var<storage, read> motion_next: array<Body>;
-@group(0) @binding(1) var<storage, read_write> motion: array<Body>;
-@group(0) @binding(2) var<storage, read_write> motion_y: array<Body>;
+@group(0) @binding(0) var<storage, read> motion_next: array<BodyRow>;
+@group(0) @binding(1) var<storage, read_write> motion: array<BodyRow>;
+@group(0) @binding(2) var<storage, read_write> motion_y: array<BodyRow>;
 @group(0) @binding(3) var<storage, read> scalars: array<Scalars>;
 
 @compute @workgroup_size(256)
@@ -22,6 +22,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let x = motion[body];
     let z = motion_next[body];
     let beta = scalars[0].beta;
-    motion_y[body] = Body(z.v + (z.v - x.v) * beta, z.inv_mass, z.w + (z.w - x.w) * beta, z.inv_inertia);
+    let v = z.linear.xyz + (z.linear.xyz - x.linear.xyz) * beta;
+    let w = z.angular.xyz + (z.angular.xyz - x.angular.xyz) * beta;
+    motion_y[body] = BodyRow(vec4(v, z.linear.w), vec4(w, z.angular.w));
     motion[body] = z;
 }

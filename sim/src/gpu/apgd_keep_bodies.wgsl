@@ -4,8 +4,8 @@
 #import sphere
 #import solve_row
 
-@group(0) @binding(0) var<storage, read> motion: array<Body>;
-@group(0) @binding(1) var<storage, read_write> best: array<Body>;
+@group(0) @binding(0) var<storage, read> motion: array<BodyRow>;
+@group(0) @binding(1) var<storage, read_write> best: array<BodyRow>;
 
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {

@@ -5,6 +5,7 @@
 //! in    activity  [n_bodies]
 //! out   margin    [n_spheres]  m, distance within which contacts are generated: δ + |v| h
 //! inout fat_aabb  [n_spheres]  m, renewed for all when a tight box has left its fat one
+//! out   lasts     [1]          number of steps for which none will
 //! out   due       counts of what the broad phase works on: all, or nothing while the pairs hold
 //! Kernels: bounds.wgsl, pairs_due.wgsl, fatten.wgsl. Twin: cpu/bounds.rs
 
@@ -20,6 +21,8 @@ pub struct Due {
     pub left: Buffer<u32>,
     /// Not zero if the pairs are found even though none has (1).
     pub lost: Buffer<u32>,
+    /// As bits: the number of steps, from the start of this one on, for which none will (1).
+    pub lasts: Buffer<u32>,
     /// The spheres whose boxes are renewed.
     renewed: Count,
     /// The spheres.
@@ -38,6 +41,7 @@ impl Due {
         Ok(Due {
             left: Buffer::of(device, "left", &[1])?,
             lost: Buffer::of(device, "lost", &[1])?,
+            lasts: Buffer::of(device, "lasts", &[bits(f32::MAX as f64)])?,
             renewed: Count::found(device, n)?,
             spheres: Count::found(device, n)?,
             rows: Count::found(device, n + 1)?,
@@ -66,27 +70,30 @@ impl Bounds {
         })
     }
 
-    /// Record the stage.
+    /// Record the stage; where the pairs hold, boxes are not renewed.
     pub fn record(
         &self,
         device: &Device,
         commands: &mut Commands,
         model: &Model,
         (bodies, at): (&Bodies, &Spheres),
-        due: &Due,
+        (due, hold): (&Due, bool),
     ) {
         let [envelope, step, unit] = [model.envelope, model.step, bodies.scale.unit].map(bits);
         let [position, velocity] = [bodies.position.bind(), bodies.velocity.bind()];
         let [activity, sphere] = [bodies.activity.bind(), at.sphere.bind()];
         let (margin, fat) = (at.margin.bind(), at.fat_aabb.bind());
         let turning = [bodies.orientation.bind(), bodies.spin.bind(), at.solid.bind()];
-        let own = [position, velocity, activity, sphere, fat, margin, due.left.bind()];
+        let own = [position, velocity, activity, sphere, fat, margin, due.left.bind(), due.lasts.bind()];
         let bound: Vec<Bound> = own.into_iter().chain(turning).collect();
         commands.dispatch(device, &self.bounds, &bound, &[at.n as u32, envelope, step, unit], groups(at.n));
-
+        if hold {
+            return;
+        }
         let [renewed, spheres, rows, bins] =
             [&due.renewed, &due.spheres, &due.rows, &due.bins].map(|count| count.n.bind());
-        let bound = [due.left.bind(), due.lost.bind(), renewed, spheres, rows, bins, due.levels.bind()];
+        let counts = [renewed, spheres, rows, bins, due.lasts.bind(), due.levels.bind()];
+        let bound: Vec<Bound> = [due.left.bind(), due.lost.bind()].into_iter().chain(counts).collect();
         let params = [at.n as u32, due.bins.capacity as u32];
         commands.dispatch(device, &self.due, &bound, &params, Work::Groups(1));
 

@@ -1,7 +1,7 @@
 //! Collision on a device: the stages from `bounds` to `contact_write`, recorded once and submitted for every step.
 //!
 //! Pairs hold while no sphere has left its fat box: the stages of the broad phase then have nothing to do, as their counts on the device
-//! say. If there are more pairs than room, there are none at all, and the stages are run again with more room; no pair is dropped.
+//! say, and are left out where the host expects it. If there are more pairs than room, there are none at all, and the stages are run again with more room; no pair is dropped.
 
 pub mod given;
 
@@ -15,6 +15,7 @@ use super::manifolds::Manifolds;
 use super::pair_write::{PairWrite, Pairs};
 use super::parts::Layout;
 use super::rows::{Aabb, Arms, Contact};
+use super::sides::{PairOrder, PairSides};
 use super::solids;
 use super::spheres::Spheres;
 use super::tiles::Tiles;
@@ -52,6 +53,7 @@ pub struct Collision {
     pair_write: PairWrite,
     contact_write: ContactWrite,
     pairs: Pairs,
+    pair_order: PairOrder,
     tiles: Option<Tiles>,
     contacts: Contacts,
     /// The narrow phase of shapes of any kind, where these are not spheres alone.
@@ -85,7 +87,9 @@ impl Collision {
             Narrow::Spheres => None,
             Narrow::Any => Some(Manifolds::new(device, kernels, layout, (&spheres, &fixtures), [room; 2])?),
         };
+        let pairs = Pairs::new(device, n, room)?;
         let mut collision = Collision {
+            pair_order: PairOrder::new(device, kernels, model.n_bodies(), &pairs)?,
             bodies: Bodies::new(device, scale, layout, model.n_bodies())?,
             fixtures,
             manifolds,
@@ -98,7 +102,7 @@ impl Collision {
             bin_start: BinStart::new(device, kernels)?,
             pair_write: PairWrite::new(device, kernels, (model, layout), n)?,
             contact_write: ContactWrite::new(device, kernels, layout)?,
-            pairs: Pairs::new(device, n, room)?,
+            pairs,
             tiles: None,
             contacts: Contacts::new(device, kernels, [room, of_contacts])?,
             found: Found { pairs: 0, contacts: 0 },
@@ -158,6 +162,7 @@ impl Collision {
         let [room, of_contacts] = needed.map(|n| n + n / 8 + 64);
         let rooms = [room.max(self.pairs.pairs.capacity()), of_contacts.max(self.contacts.contact.capacity())];
         self.pairs = Pairs::new(device, self.spheres.n, rooms[0])?;
+        self.pair_order = PairOrder::new(device, kernels, self.bodies.n, &self.pairs)?;
         match &mut self.manifolds {
             None => self.contacts = Contacts::new(device, kernels, rooms)?,
             Some(manifolds) => {
@@ -197,6 +202,19 @@ impl Collision {
         [&self.contacts.touching, place]
     }
 
+    /// The sides of the pairs by their bodies; once more room has been made they are others.
+    pub fn pair_sides(&self) -> &PairSides {
+        self.pair_order.sides()
+    }
+
+    /// Record the colours of the pairs in tiles that touch, unless these have lasting ones.
+    pub fn record_touching(&self, device: &Device, c: &mut Commands) {
+        let [_, place] = self.of_pairs();
+        if let Some(tiles) = &self.tiles {
+            tiles.record_touching(device, c, (&self.pairs, place));
+        }
+    }
+
     /// Number of pairs, on the device.
     pub fn n_pairs(&self) -> &Count {
         &self.pairs.n
@@ -220,6 +238,11 @@ impl Collision {
     /// The arms of the contacts, where they are of any direction; else one row that is not used.
     pub fn arms(&self) -> &Buffer<Arms> {
         self.manifolds.as_ref().map_or(&self.no_arms, |manifolds| &manifolds.arms)
+    }
+
+    /// As bits: the number of steps, from the start of the last run on, for which the pairs hold (1).
+    pub fn lasts(&self) -> &Buffer<u32> {
+        &self.due.lasts
     }
 
     /// Number of pairs that room is needed for, whether there is room, and number of contacts that it is needed for (3).

@@ -375,7 +375,7 @@ impl ContactSolve {
             landing.record(device, commands, problem);
         }
         if let Columns::GaussSeidel(sweeps) = self.columns(is_landing) {
-            sweeps.record_start(device, commands, problem, &self.settings);
+            sweeps.record_start(device, commands, (problem, collision), &self.settings);
         } else {
             if let Some(exact) = &self.exact {
                 exact.record_feed(device, commands, problem);
@@ -440,8 +440,9 @@ impl ContactSolve {
     fn record_solution(&self, device: &Device, commands: &mut Commands, is_landing: bool) {
         match self.columns(is_landing) {
             // Its residual is that of the visits. The velocities are summed again from the impulses, whose momentum is exact.
-            Columns::GaussSeidel(_) => {
+            Columns::GaussSeidel(sweeps) => {
                 let problem = &self.problem;
+                sweeps.record_end(device, commands, problem);
                 problem.record_response(device, commands);
                 return;
             }

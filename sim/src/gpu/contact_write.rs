@@ -8,6 +8,7 @@
 //! Kernels: contact_find.wgsl, the compaction, contact_room.wgsl, contact_write.wgsl. Twin: cpu/contact_write.rs, cpu/sphere_pairs.rs
 
 use super::bodies::Bodies;
+use super::bounds::Due;
 use super::fixtures::Fixtures;
 use super::pair_write::Pairs;
 use super::parts::{Layout, ROWS, bits, kernel, kernel_of};
@@ -15,7 +16,7 @@ use super::rows::Contact;
 use super::spheres::Spheres;
 use crate::model::Model;
 use gpu::compact::Compact;
-use gpu::{Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels, Work};
+use gpu::{Bound, Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels, Work};
 
 /// The contacts.
 pub struct Contacts {
@@ -67,13 +68,14 @@ impl ContactWrite {
         })
     }
 
-    /// Record the stage.
+    /// Record the stage; `hold` tells that the pairs are expected to hold.
     pub fn record(
         &self,
         device: &Device,
         commands: &mut Commands,
         model: &Model,
         (bodies, at, fixtures): (&Bodies, &Spheres, &Fixtures),
+        (due, hold): (&Due, bool),
         (from, to): (&Pairs, &Contacts),
     ) {
         let [of_pairs, of_contacts] = &self.groups;
@@ -86,8 +88,9 @@ impl ContactWrite {
         // The margin of a fixture is as single precision has it on the CPU.
         commands.dispatch(device, &self.find, &bound, &[unit, bits(model.envelope)], of_pairs.of_level(&from.n, 0));
         to.compact.record(device, commands, &to.touches, &from.n, &to.touching, &to.n);
-        let bound = [to.compact.places().bind(), from.room.bind(), to.n.n.bind(), from.n.n.bind()];
-        let rooms = [from.pairs.capacity() as u32, to.contact.capacity() as u32];
+        let counts = [from.room.bind(), to.n.n.bind(), from.n.n.bind(), due.left.bind(), due.lost.bind()];
+        let bound: Vec<Bound> = [to.compact.places().bind()].into_iter().chain(counts).collect();
+        let rooms = [from.pairs.capacity() as u32, to.contact.capacity() as u32, hold as u32];
         commands.dispatch(device, &self.room, &bound, &rooms, Work::Groups(1));
         of_contacts.record(device, commands, &to.n);
         let bound = [position, sphere, fixture, pairs, to.touching.bind(), to.contact.bind(), to.n.n.bind()];

@@ -14,7 +14,7 @@
 @group(0) @binding(1) var<storage, read> orientation: array<vec4<f32>>;
 @group(0) @binding(2) var<storage, read> velocity: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> spin: array<vec4<f32>>;
-@group(0) @binding(4) var<storage, read_write> free: array<Body>;
+@group(0) @binding(4) var<storage, read_write> free: array<BodyRow>;
 @group(0) @binding(5) var<storage, read> params: array<u32>;
 
 // The share of its velocity that a body keeps.
@@ -34,10 +34,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     if mass[b].x == 0.0 {
-        free[b] = Body(vec3(0.0), 0.0, vec3(0.0), 0.0);
+        free[b] = BodyRow(vec4(0.0), vec4(0.0));
         return;
     }
     let fall = vec3(bitcast<f32>(params[0]), bitcast<f32>(params[1]), bitcast<f32>(params[2]));
     let kept = kept(bitcast<f32>(params[3]), velocity[b].xyz, spin[b].xyz, mass[b]);
-    free[b] = Body(kept * velocity[b].xyz + fall, mass[b].x, turned(orientation[b], kept * spin[b].xyz), mass[b].y);
+    let v = kept * velocity[b].xyz + fall;
+    free[b] = BodyRow(vec4(v, mass[b].x), vec4(turned(orientation[b], kept * spin[b].xyz), mass[b].y));
 }

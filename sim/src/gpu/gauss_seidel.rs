@@ -1,19 +1,20 @@
 //! Gauss–Seidel by tiles on a device: the bodies of a tile are loaded into the memory of a workgroup, its contacts are swept there colour by
 //! colour several times, and all is written back once. The tiles of a round share no moving body; four rounds, or eight, have all pairs of
-//! shapes that are not much larger than usual, and a last one the rest. The joints are solved at the end of each iteration. The pairs that touch
-//! are coloured again in each step: pairs that are near alone, about four of five, would make twice as many colours.
+//! shapes that are not much larger than usual, and a last one the rest. The joints are solved at the end of each iteration. Pairs of
+//! spheres have colours as long as they hold. Of other shapes those that touch are coloured in each step: pairs that are near alone, about four of
+//! five, would make twice as many colours.
 //! in     row       [n_contacts]
 //! inout  gamma     [n_contacts]  N s, world
 //! inout  motion    [n_bodies]    m/s, rad/s
-//! Kernels: tile_start.wgsl, tile_color.wgsl, tile_sweep.wgsl and rest_sweep.wgsl for spheres, visit_write.wgsl, tile_manifolds.wgsl and rest_manifolds.wgsl for
+//! Kernels: tile_start.wgsl, tile_order.wgsl, tile_visits.wgsl, tile_sweep.wgsl, rest_sweep.wgsl and tile_end.wgsl for spheres, visit_write.wgsl, tile_manifolds.wgsl and rest_manifolds.wgsl for
 //! shapes of any kind, joint_response.wgsl, tile_decide.wgsl, closing.wgsl and closing_decide.wgsl. Twin: cpu/solve/sweeps.rs, whose iteration is
 //! one sweep; here it is one pass over the contacts in memory. Where a gap still closes too fast, all tiles are swept again, not those alone in
 //! which one does.
 //!
-//! Bytes of a contact and iteration: of spheres its row (48), its impulse read and written (32), its visit (8), its term written and read (8): 96
-//! from memory; of any shapes its row (64), its impulse read and written (32), its row of visits (16), and a share of its pair (20 of a pair): 117
-//! where a pair has four, and another 112 for each sweep after the first that the cache has lost them for. Beside them the bodies of the tiles, 32
-//! bytes read and written for each tile that they are in.
+//! Bytes of a contact and iteration: of spheres its visit (48), its impulse read and written (32): 80 from memory, in the order in which they are
+//! visited; of any shapes its row (64), its impulse read and written (32), its row of visits (16), and a share of its pair (20 of a pair): 117 where a
+//! pair has four, and another 112 for each sweep after the first that the cache has lost them for. Beside them the bodies of the tiles, 32 bytes read and
+//! written for each tile that they are in.
 
 use super::collision::Collision;
 use super::fault::Fault;
@@ -25,19 +26,15 @@ use crate::settings::{FrictionLaw, SolverSettings};
 use gpu::{Bound, Buffer, Commands, Count, Device, GpuError, Kernel, Kernels, Work};
 
 /// Bytes of a contact and iteration from memory: of spheres, and of any shapes.
-pub const BYTES: [f64; 2] = [96.0, 117.0];
+pub const BYTES: [f64; 2] = [80.0, 117.0];
 
 /// Sweeps of a tile for one pass over its contacts in memory.
 pub const SWEEPS: u32 = 2;
 
-/// Moving bodies to a workgroup that sweeps the tiles of a round one after the other, and the most workgroups: enough to fill any device.
-const BODIES_OF_GROUP: usize = 128;
-const MOST_GROUPS: usize = 4096;
-
 /// The columns of the method, and its kernels.
 pub struct GaussSeidel {
     start: Kernel,
-    color: Kernel,
+    order_visits: Kernel,
     visits: Visits,
     decide: Kernel,
     closing: Option<Closing>,
@@ -47,12 +44,13 @@ pub struct GaussSeidel {
     moved: Buffer<f32>,
     /// Those of the big tiles (1).
     moved_rest: Buffer<f32>,
-    /// The same of the visits (n_contacts).
-    terms: Buffer<f32>,
+    /// First contact of each tile, number of visits, place of the first body, and numbers of bodies and of colours (n_tiles).
+    tile: Buffer<[u32; 4]>,
     /// Visits of each tile (n_contacts).
     order: Buffer<[u32; 2]>,
-    /// Workgroups of a dispatch.
+    /// Workgroups of a dispatch over tiles, and the number of these dispatches, each of them some.
     n_groups: u32,
+    n_pieces: u32,
     columns: Columns,
     /// Sweeps, whether Coulomb's law is exact, and ω; the tolerance, m/s.
     params: [u32; 3],
@@ -72,7 +70,15 @@ struct Closing {
 /// The kernels of the visits.
 enum Visits {
     /// Of contacts of spheres.
-    Spheres { sweep: Kernel, rest: Kernel },
+    Spheres {
+        gather: Kernel,
+        sweep: Kernel,
+        rest: Kernel,
+        end: Kernel,
+        /// What the visits of each tile need of their contacts, and their impulses, in their order (n_contacts).
+        visits: Buffer<[u32; 12]>,
+        impulses: Buffer<[f32; 4]>,
+    },
     /// Of manifolds, the contacts of a pair of any shapes.
     Manifolds {
         write: Kernel,
@@ -86,23 +92,28 @@ enum Visits {
 impl Visits {
     fn new(device: &Device, kernels: &Kernels, problem: &Problem) -> Result<Visits, GpuError> {
         let get = |name, text| kernel_of(problem.layout, device, kernels, (name, text));
+        let n_contacts = problem.gamma.capacity();
         Ok(match problem.layout.narrow {
             Narrow::Spheres => Visits::Spheres {
+                gather: get("tile_visits", include_str!("tile_visits.wgsl"))?,
                 sweep: get("tile_sweep", include_str!("tile_sweep.wgsl"))?,
                 rest: get("rest_sweep", include_str!("rest_sweep.wgsl"))?,
+                end: get("tile_end", include_str!("tile_end.wgsl"))?,
+                visits: Buffer::zeros(device, "visits", n_contacts)?,
+                impulses: Buffer::zeros(device, "impulses of visits", n_contacts)?,
             },
             Narrow::Any => Visits::Manifolds {
                 write: get("visit_write", include_str!("visit_write.wgsl"))?,
                 sweep: get("tile_manifolds", include_str!("tile_manifolds.wgsl"))?,
                 rest: get("rest_manifolds", include_str!("rest_manifolds.wgsl"))?,
-                visits: Buffer::zeros(device, "visits", problem.gamma.capacity())?,
+                visits: Buffer::zeros(device, "visits", n_contacts)?,
             },
         })
     }
 
     /// The kernels over tiles and over big tiles.
     fn sweeps(&self) -> [&Kernel; 2] {
-        let (Visits::Spheres { sweep, rest } | Visits::Manifolds { sweep, rest, .. }) = self;
+        let (Visits::Spheres { sweep, rest, .. } | Visits::Manifolds { sweep, rest, .. }) = self;
         [sweep, rest]
     }
 }
@@ -121,8 +132,6 @@ struct Columns {
     is_big: Buffer<u32>,
     big: Buffer<u32>,
     round_start: Buffer<u32>,
-    /// Number of dispatches that colour the tiles, and that sweep those of a round, each of them some.
-    n_pieces: u32,
     n_big: Count,
     n_tiles: Count,
     n_pairs: Count,
@@ -143,8 +152,6 @@ impl Columns {
             big: tiles.big.clone(),
             round_start: tiles.round_start.clone(),
             rounds: tiles.rounds,
-            // Sweeps and colours take a quarter of the time of the pairs.
-            n_pieces: tiles.n_pieces.div_ceil(4),
             n_big: tiles.n_big.clone(),
             n_tiles: tiles.n.clone(),
             n_pairs: collision.n_pairs().clone(),
@@ -175,20 +182,21 @@ impl GaussSeidel {
         // Where iterations go on, the last are not over-relaxed.
         let omega = settings.omega.unwrap_or(1.0).min(if most.is_some() { 1.0 } else { f64::INFINITY });
         let columns = Columns::of(collision, tiles);
-        let n_groups = problem.n_bodies.div_ceil(BODIES_OF_GROUP).clamp(1, MOST_GROUPS) as u32;
+        let (n_groups, n_pieces) = tiles.pieces();
         let n_contacts = problem.gamma.capacity();
         Ok(GaussSeidel {
             closing: most.map(closing).transpose()?,
             start: get("tile_start", include_str!("tile_start.wgsl"))?,
-            color: get("tile_color", include_str!("tile_color.wgsl"))?,
+            order_visits: get("tile_order", include_str!("tile_order.wgsl"))?,
             visits: Visits::new(device, kernels, problem)?,
             decide: get("tile_decide", include_str!("tile_decide.wgsl"))?,
             work: Buffer::zeros(device, "work of tiles", 2)?,
             moved: Buffer::zeros(device, "moved", tiles.first.capacity())?,
             moved_rest: Buffer::zeros(device, "moved", 1)?,
-            terms: Buffer::zeros(device, "terms of visits", n_contacts)?,
+            tile: Buffer::zeros(device, "tiles", tiles.first.capacity())?,
             order: Buffer::zeros(device, "order of visits", n_contacts)?,
-            n_groups: n_groups.div_ceil(columns.n_pieces),
+            n_groups,
+            n_pieces,
             columns,
             params: [SWEEPS, is_exact, bits(omega)],
             tolerance: settings.tolerance,
@@ -196,14 +204,21 @@ impl GaussSeidel {
     }
 
     /// Record the start.
-    pub fn record_start(&self, device: &Device, commands: &mut Commands, problem: &Problem, settings: &SolverSettings) {
+    pub fn record_start(
+        &self,
+        device: &Device,
+        commands: &mut Commands,
+        (problem, collision): (&Problem, &Collision),
+        settings: &SolverSettings,
+    ) {
+        collision.record_touching(device, commands);
         let c = &self.columns;
         let bound = [problem.scalars.bind(), self.work.bind(), problem.n_contacts.n.bind()];
         let params = [settings.iterations.unwrap_or(0)];
         commands.dispatch(device, &self.start, &bound, &params, Work::Groups(1));
-        let of_tiles = [c.first.bind(), c.body.bind(), c.is_big.bind(), c.round_start.bind()];
+        let of_tiles = [c.first.bind(), c.body.bind(), c.size.bind(), c.is_big.bind(), c.round_start.bind()];
         let counts = [c.n_tiles.n.bind(), c.n_pairs.n.bind()];
-        let out = [c.size.bind(), self.order.bind()];
+        let out = [c.color.bind(), self.tile.bind(), self.order.bind()];
         let bound: Vec<Bound> = [c.place.bind(), c.local.bind()]
             .into_iter()
             .chain(of_tiles)
@@ -212,14 +227,42 @@ impl GaussSeidel {
             .chain(out)
             .collect();
         let by_contact = matches!(self.visits, Visits::Spheres { .. }) as u32;
-        for piece in 0..c.n_pieces {
-            let params = [by_contact, piece, c.n_pieces];
-            commands.dispatch(device, &self.color, &bound, &params, Work::Groups(self.n_groups));
+        for piece in 0..self.n_pieces {
+            let params = [by_contact, piece, self.n_pieces, c.rounds];
+            commands.dispatch(device, &self.order_visits, &bound, &params, Work::Groups(self.n_groups));
+        }
+        if let Visits::Spheres { gather, visits, impulses, .. } = &self.visits {
+            let of_contacts = [problem.row(), problem.motion.bind(), problem.gamma.bind()];
+            let bound: Vec<Bound> = [self.tile.bind(), self.order.bind(), c.round_start.bind()]
+                .into_iter()
+                .chain(of_contacts)
+                .chain([visits.bind(), impulses.bind()])
+                .collect();
+            self.over_tiles(device, commands, (gather, &bound, &[self.params[1]]));
         }
         if let Visits::Manifolds { write, visits, .. } = &self.visits {
             let [mass, orientation] = problem.inertia();
             let bound = [problem.row(), mass, orientation, visits.bind(), problem.n_contacts.n.bind()];
             commands.dispatch(device, write, &bound, &[self.params[1]], problem.contacts());
+        }
+    }
+
+    /// Record the end: the impulses of the contacts are those of their visits.
+    pub fn record_end(&self, device: &Device, commands: &mut Commands, problem: &Problem) {
+        if let Visits::Spheres { end, impulses, .. } = &self.visits {
+            let of_tiles = [self.tile.bind(), self.order.bind(), impulses.bind(), self.columns.round_start.bind()];
+            let bound: Vec<Bound> = of_tiles.into_iter().chain([problem.gamma.bind()]).collect();
+            self.over_tiles(device, commands, (end, &bound, &[]));
+        }
+    }
+
+    /// Record a kernel over all tiles, whose parameters begin with the index of its dispatch, their number and that of the rounds.
+    fn over_tiles(&self, device: &Device, commands: &mut Commands, (kernel, bound, more): (&Kernel, &[Bound], &[u32])) {
+        let n_pieces = self.n_pieces;
+        for piece in 0..n_pieces {
+            let params: Vec<u32> =
+                [piece, n_pieces, self.columns.rounds].into_iter().chain(more.iter().copied()).collect();
+            commands.dispatch(device, kernel, bound, &params, Work::Groups(self.n_groups));
         }
     }
 
@@ -234,10 +277,13 @@ impl GaussSeidel {
         let of_decision = [moved[0], moved[1], scalars, self.work.bind(), counts[0], counts[1]];
         let [sweeps, is_exact, omega] = self.params;
         let [sweep, rest] = self.visits.sweeps();
+        // The law of spheres is in their visits.
+        let sweep_params = if matches!(self.visits, Visits::Spheres { .. }) { 5 } else { 6 };
         for round in 0..c.rounds {
-            for piece in 0..c.n_pieces {
-                let params = [round, sweeps, is_exact, omega, piece, c.n_pieces];
-                commands.dispatch(device, sweep, &of_sweep, &params, Work::Groups(self.n_groups));
+            for piece in 0..self.n_pieces {
+                let params = [round, piece, self.n_pieces, sweeps, omega, is_exact];
+                let params = &params[..sweep_params];
+                commands.dispatch(device, sweep, &of_sweep, params, Work::Groups(self.n_groups));
             }
         }
         commands.dispatch(device, rest, &of_rest, &self.params, Work::Groups(1));
@@ -245,7 +291,7 @@ impl GaussSeidel {
             let work = Work::Indirect(&self.work, 0);
             joints.record_more(device, commands, &problem.of_joints(), work);
         }
-        let params = [bits(self.tolerance), self.closing.is_some() as u32];
+        let params = [bits(self.tolerance), self.closing.is_some() as u32, c.rounds];
         commands.dispatch(device, &self.decide, &of_decision, &params, Work::Groups(1));
     }
 
@@ -268,24 +314,24 @@ impl GaussSeidel {
         let c = &self.columns;
         let (row, motion, gamma, scalars) =
             (problem.row(), problem.motion.bind(), problem.gamma.bind(), problem.scalars.bind());
-        let (moved, moved_rest, terms) = (self.moved.bind(), self.moved_rest.bind(), self.terms.bind());
+        let (moved, moved_rest) = (self.moved.bind(), self.moved_rest.bind());
         let (place, order, color, first, size) =
             (c.place.bind(), self.order.bind(), c.color.bind(), c.first.bind(), c.size.bind());
         let (n_tiles, n_pairs) = (c.n_tiles.n.bind(), c.n_pairs.n.bind());
-        let of_tiles = [order, first, c.body.bind(), size, c.is_big.bind(), c.round_start.bind()];
+        let of_tiles = [self.tile.bind(), c.body.bind(), c.round_start.bind(), motion];
         let of_big = [color, first, size, c.big.bind(), c.n_big.n.bind(), n_tiles, n_pairs];
         let [mass, orientation] = problem.inertia();
         let [roll, roll_row] = problem.rolling();
         match &self.visits {
-            Visits::Spheres { .. } => {
-                let sweep = [row, place].into_iter().chain(of_tiles).chain([motion, gamma, moved, terms, scalars]);
+            Visits::Spheres { visits, impulses, .. } => {
+                let sweep = [visits.bind()].into_iter().chain(of_tiles).chain([impulses.bind(), moved, scalars]);
                 let rest = [row, c.touching.bind(), place].into_iter().chain(of_big);
                 [sweep.collect(), rest.chain([motion, gamma, moved_rest, scalars]).collect()]
             }
             Visits::Manifolds { visits, .. } => {
                 let own = [row, visits.bind(), place];
                 let of_bodies = [mass, orientation, roll, roll_row, scalars];
-                let sweep = own.into_iter().chain(of_tiles).chain([n_tiles, n_pairs, motion, gamma, moved, terms]);
+                let sweep = own.into_iter().chain([order]).chain(of_tiles).chain([gamma, moved]);
                 let rest = own.into_iter().chain(of_big).chain([motion, gamma, moved_rest]);
                 [sweep.chain(of_bodies).collect(), rest.chain(of_bodies).collect()]
             }

@@ -8,7 +8,7 @@
 // in    phase_row    [n_phase_rows]  row of b′ or, beyond those, of x; its terms: the first, and the end
 // in    joint_term   [n_terms]    row and number
 // in    joint_number [n_numbers]  of the factor
-// inout joint_work   [2 n_factor] b′, x
+// inout joint_work   [2 n_factor] b′, x, where these do not fit the memory of the workgroup
 // out   lambda       [n_rows]     N s, N m s; the second and third are those of the iterates x and y
 // Twin: cpu/solve/joints.rs, cpu/solve/sparse/phases.rs
 
@@ -65,23 +65,61 @@ fn speed_of(side: u32) -> f32 {
     return dot(own.linear, change.v) + dot(own.angular, change.w);
 }
 
+// b′ and x, where there are no more than this.
+const FITS: u32 = 3584u;
+var<workgroup> near_work: array<f32, 3584>;
+
+fn does_fit() -> bool {
+    return 2u * joint_sizes[3] <= FITS;
+}
+
+fn work_at(i: u32) -> f32 {
+    if does_fit() {
+        return near_work[i];
+    }
+    return joint_work[i];
+}
+
+fn put_work(i: u32, x: f32) {
+    if does_fit() {
+        near_work[i] = x;
+    } else {
+        joint_work[i] = x;
+    }
+}
+
+// Wait until all have put theirs.
+fn wait_for_work() {
+    if does_fit() {
+        workgroupBarrier();
+    } else {
+        storageBarrier();
+    }
+}
+
 // What is left of the rows, as a right-hand side.
 fn fill_rows(thread: u32) {
     for (var i = thread; i < joint_sizes[3]; i += 256u) {
-        joint_work[i] = 0.0;
+        put_work(i, 0.0);
     }
-    storageBarrier();
+    wait_for_work();
     for (var r = thread; r < joint_sizes[1]; r += 256u) {
         let row = joint_row[r];
-        joint_work[row.place] = -(speed_of(row.sides.x) + speed_of(row.sides.y) + row.softness * lambda[r].x);
+        put_work(row.place, -(speed_of(row.sides.x) + speed_of(row.sides.y) + row.softness * lambda[r].x));
     }
-    storageBarrier();
+    wait_for_work();
 }
 
 var<workgroup> row_sums: array<f32, 256>;
 
+// A term of a row; none from the end of the row on.
+fn term_of(t: u32, end: u32) -> f32 {
+    let term = joint_term[min(t, end - 1u)];
+    return select(0.0, work_at(term.x) * joint_number[term.y], t < end);
+}
+
 // Rows of a phase have few to hundreds of terms: where there are fewer rows than threads, several have a row to themselves, and sum its terms as
-// a binary tree.
+// a binary tree. A thread has four terms under way, so that it does not wait for each.
 fn run_phases(thread: u32) {
     let n = joint_sizes[3];
     for (var p = 0u; p < joint_sizes[2]; p++) {
@@ -95,8 +133,9 @@ fn run_phases(thread: u32) {
             var sum = 0.0;
             if k < end {
                 row = phase_row[k];
-                for (var t = row.y + lane; t < row.z; t += lanes) {
-                    sum += joint_work[joint_term[t].x] * joint_number[joint_term[t].y];
+                for (var t = row.y + lane; t < row.z; t += 4u * lanes) {
+                    let first_two = term_of(t, row.z) + term_of(t + lanes, row.z);
+                    sum += first_two + (term_of(t + 2u * lanes, row.z) + term_of(t + 3u * lanes, row.z));
                 }
             }
             row_sums[thread] = sum;
@@ -107,9 +146,9 @@ fn run_phases(thread: u32) {
                 }
             }
             if k < end && lane == 0u {
-                joint_work[row.x] = select(0.0, joint_work[row.x], row.x < n) + row_sums[thread];
+                put_work(row.x, select(0.0, work_at(row.x), row.x < n) + row_sums[thread]);
             }
-            storageBarrier();
+            wait_for_work();
         }
     }
 }
@@ -128,7 +167,7 @@ fn solve_more(thread: u32, rounds: u32) {
         fill_rows(thread);
         run_phases(thread);
         for (var r = thread; r < joint_sizes[1]; r += 256u) {
-            let more = joint_work[joint_sizes[3] + joint_row[r].place];
+            let more = work_at(joint_sizes[3] + joint_row[r].place);
             lambda[r].x += more;
             lambda[r].w = more;
         }

@@ -16,6 +16,7 @@
 //! Points are found in single precision about the centre of mass of one of the bodies: gaps are right to 5e-7 of the pair's size.
 
 use super::bodies::Bodies;
+use super::bounds::Due;
 use super::fixtures::Fixtures;
 use super::pair_write::Pairs;
 use super::parts::{Layout, ROWS, bits, kernel, kernel_with};
@@ -99,13 +100,14 @@ impl Manifolds {
         })
     }
 
-    /// Record the stage.
+    /// Record the stage; where the pairs hold, so do the lists of the families.
     pub fn record(
         &self,
         device: &Device,
         c: &mut Commands,
         model: &Model,
         (bodies, at, fixtures): (&Bodies, &Spheres, &Fixtures),
+        (due, hold): (&Due, bool),
         (from, contact, n): (&Pairs, &Buffer<Contact>, &Count),
     ) {
         let of_pairs = self.groups.of_level(&from.n, 0);
@@ -118,7 +120,7 @@ impl Manifolds {
             Work::Groups(1),
         );
         let shapes = [at.sphere.bind(), at.solid.bind(), fixtures.fixture.bind()];
-        for family in &self.families {
+        for family in self.families.iter().filter(|_| !hold) {
             family.record_list(device, c, shapes, from, of_pairs);
         }
         let (n_materials, fine, unit) = (model.material_names.len() as u32, bodies.scale.fine(), bodies.scale.unit);
@@ -138,8 +140,9 @@ impl Manifolds {
             c.dispatch(device, &family.points, &bound, &[fine, envelope], work);
         }
         self.scan.record(device, c, &self.place, &self.n_places);
-        let rooms = [from.pairs.capacity() as u32, contact.capacity() as u32];
-        let of_room = [self.place.bind(), from.room.bind(), n.n.bind(), from.n.n.bind()];
+        let rooms = [from.pairs.capacity() as u32, contact.capacity() as u32, hold as u32];
+        let counts = [from.room.bind(), n.n.bind(), from.n.n.bind(), due.left.bind(), due.lost.bind()];
+        let of_room: Vec<Bound> = [self.place.bind()].into_iter().chain(counts).collect();
         c.dispatch(device, &self.room, &of_room, &rooms, Work::Groups(1));
         c.dispatch(device, write, &all, &[envelope, unit], of_pairs);
         for family in &self.families {

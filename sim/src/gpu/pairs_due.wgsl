@@ -5,6 +5,7 @@
 // out   spheres  [1]  n_spheres or 0
 // out   rows     [1]  n_spheres + 1 or 0
 // out   bins     [1]  n_bins or 0
+// inout lasts    [1]  as bits: steps for which all will be in their boxes; out that of new ones, if they are renewed
 // inout levels   [2]  mask of the levels of bins that are used; zero out if pairs are found
 // in    params   [2]  n_spheres, n_bins
 @group(0) @binding(0) var<storage, read_write> left: array<u32>;
@@ -13,8 +14,12 @@
 @group(0) @binding(3) var<storage, read_write> spheres: array<u32>;
 @group(0) @binding(4) var<storage, read_write> rows: array<u32>;
 @group(0) @binding(5) var<storage, read_write> bins: array<u32>;
-@group(0) @binding(6) var<storage, read_write> levels: array<u32>;
-@group(0) @binding(7) var<storage, read> params: array<u32>;
+@group(0) @binding(6) var<storage, read_write> lasts: array<u32>;
+@group(0) @binding(7) var<storage, read_write> levels: array<u32>;
+@group(0) @binding(8) var<storage, read> params: array<u32>;
+
+// As `fatten` makes them.
+const STEPS: f32 = 5.0;
 
 @compute @workgroup_size(1)
 fn main() {
@@ -24,6 +29,9 @@ fn main() {
     spheres[0] = select(0u, params[0], is_due);
     rows[0] = select(0u, params[0] + 1u, is_due);
     bins[0] = select(0u, params[1], is_due);
+    if has_left {
+        lasts[0] = bitcast<u32>(STEPS);
+    }
     if is_due {
         levels[0] = 0u;
         levels[1] = 0u;

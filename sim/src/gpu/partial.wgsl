@@ -1,5 +1,5 @@
-// Sums over the rows of a kernel: each workgroup leaves the sum of its 256 rows, as a binary tree, neighbours first, and a kernel of one
-// workgroup sums these in their order. The same bits on any device.
+// Sums over the rows of a kernel: each workgroup leaves the sum of its 256 rows, and a kernel of one workgroup sums these, always in the same
+// order. The same bits on any device. A barrier costs more than the additions that a tree of eight of them would save.
 
 var<workgroup> partial_values: array<vec4<f32>, 256>;
 
@@ -7,13 +7,21 @@ var<workgroup> partial_values: array<vec4<f32>, 256>;
 fn group_total(thread: u32, value: vec4<f32>) -> vec4<f32> {
     workgroupBarrier();
     partial_values[thread] = value;
-    for (var step = 1u; step < 256u; step <<= 1u) {
-        workgroupBarrier();
-        if thread % (2u * step) == 0u {
-            partial_values[thread] += partial_values[thread + step];
+    workgroupBarrier();
+    var sum = vec4(0.0);
+    if thread < 16u {
+        for (var i = thread; i < 256u; i += 16u) {
+            sum += partial_values[i];
+        }
+        partial_values[thread] = sum;
+    }
+    workgroupBarrier();
+    if thread == 0u {
+        for (var i = 1u; i < 16u; i++) {
+            sum += partial_values[i];
         }
     }
-    return partial_values[thread];
+    return sum;
 }
 
 // A sum of the rows before the n-th, of which a kernel of one workgroup takes four at a time, so that none is waited for alone.

@@ -37,6 +37,8 @@ const PARTS: &[Part<'static>] = parts!(
     "scalars",
     "visit",
     "tile_bodies",
+    "tile_listed",
+    "tile_visit",
     "manifold",
     "tensor",
     "row",

@@ -8,19 +8,19 @@
 //! out    side        [2 n_contacts]  sorted by body: twice the contact, and one more for B
 //! out    side_start  [n_bodies]      first side of each body, and the end
 //! out    motion      [n_bodies]      m/s, rad/s: velocities with γ
-//! Kernels: solve_rows.wgsl, bin_clear.wgsl, bin_start.wgsl, the sort, response.wgsl, residual.wgsl, residual_sum.wgsl.
+//! Kernels: solve_rows.wgsl, those of `sides`, response.wgsl, residual.wgsl, residual_sum.wgsl.
 //! Twin: cpu/contact_solve.rs
 
 use super::bodies::Bodies;
 use super::collision::Collision;
 use super::fault::Fault;
 use super::joints::{Joints, Solve};
-use super::parts::{Layout, ROWS, bits, groups, kernel, kernel_of};
+use super::parts::{Layout, ROWS, bits, groups, kernel_of};
 use super::rows::{Arms, Body, Contact};
+use super::sides::Sides;
 use crate::model::{ContactLaw, Model};
 use crate::plan::{Narrow, coheres};
 use crate::settings::{Impacts, Method};
-use gpu::radix_sort::RadixSort;
 use gpu::{Bound, Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels, Work};
 
 /// The problem, with room for as many contacts as a collision has.
@@ -62,20 +62,14 @@ pub struct Problem {
     /// The joints, if there are any.
     pub joints: Option<Joints>,
     kernels: ProblemKernels,
-    sort: RadixSort<u32>,
     contact_groups: Groups,
-    side_groups: Groups,
     /// Rows of the contacts (n_contacts).
     row: Row,
     /// Masses, and orientations at the step's start; of bodies on joints, those of their inertia in the step (n_bodies).
     inertia: [Buffer<[f32; 4]>; 2],
-    /// Bodies of the sides, and the sides (2 n_contacts).
-    sides: [Buffer<u32>; 2],
-    side_start: Buffer<[u32; 2]>,
-    n_sides: Count,
+    sides: Sides,
     /// Whether slip is fed back.
     pub feeds: bool,
-    all_bodies: Count,
     law: Buffer<[f32; 4]>,
     /// Cohesion of each law, N (n_laws).
     cohesion: Buffer<f32>,
@@ -102,8 +96,6 @@ impl Row {
 
 struct ProblemKernels {
     rows: Kernel,
-    clear: Kernel,
-    start: Kernel,
     response: Kernel,
     spin_response: Kernel,
     residual: Kernel,
@@ -127,7 +119,7 @@ impl Problem {
         let law = |l: &ContactLaw| [l.friction, restitution(l), l.rolling, l.spinning].map(|x| x as f32);
         let law: Vec<[f32; 4]> = model.laws.iter().map(law).collect();
         let cohesion: Vec<f32> = model.laws.iter().map(|l| l.cohesion as f32).collect();
-        let sides = || Buffer::zeros(device, "sides", 2 * room);
+        let [_, place] = collision.of_pairs();
         let rolling = if collision.bodies.layout.rolls { room } else { 1 };
         let bodies = &collision.bodies;
         let layout = bodies.layout;
@@ -137,7 +129,6 @@ impl Problem {
             (_, Narrow::Any) => 2 * room,
         };
         let get = |name, text| kernel_of(layout, device, kernels, (name, text));
-        let plain = |name, text| kernel(device, kernels, name, text);
         Ok(Problem {
             n_bodies,
             n_contacts: n_contacts.clone(),
@@ -159,16 +150,12 @@ impl Problem {
             roll_row: Buffer::zeros(device, "rolling rows", rolling)?,
             kernels: ProblemKernels {
                 rows: get("solve_rows", include_str!("solve_rows.wgsl"))?,
-                clear: plain("bin_clear", include_str!("bin_clear.wgsl"))?,
-                start: plain("bin_start", include_str!("bin_start.wgsl"))?,
                 response: get("response", include_str!("response.wgsl"))?,
                 spin_response: get("spin_response", include_str!("spin_response.wgsl"))?,
                 residual: get("residual", include_str!("residual.wgsl"))?,
                 residual_sum: get("residual_sum", include_str!("residual_sum.wgsl"))?,
             },
-            sort: RadixSort::new(device, kernels, 2 * room)?,
             contact_groups: Groups::new(device, kernels, ROWS)?,
-            side_groups: Groups::new(device, kernels, ROWS)?,
             row: Row::new(device, layout.narrow, room)?,
             inertia: match joints {
                 None => [bodies.mass.clone(), bodies.orientation.clone()],
@@ -178,10 +165,7 @@ impl Problem {
                 ],
             },
             joints: joints.cloned(),
-            sides: [sides()?, sides()?],
-            side_start: Buffer::zeros(device, "side_start", n_bodies)?,
-            n_sides: Count::found(device, 2 * room)?,
-            all_bodies: Count::of(device, n_bodies)?,
+            sides: Sides::new(device, kernels, (collision.pair_sides(), place), (n_bodies, room))?,
             law: Buffer::of(device, "law", &law)?,
             coheres: coheres(model),
             cohesion: Buffer::of(device, "cohesion", &cohesion)?,
@@ -190,13 +174,11 @@ impl Problem {
 
     /// Record what does not change during a solve.
     pub fn record(&self, device: &Device, commands: &mut Commands, model: &Model, bodies: &Bodies) {
-        let ([body, side], n) = (&self.sides, &self.n_contacts);
-        commands.clear(&self.n_sides.n);
+        let n = &self.n_contacts;
         commands.clear(&self.worst);
         self.contact_groups.record(device, commands, n);
         let columns = [self.contact.bind(), bodies.mass.bind(), bodies.velocity.bind(), self.law.bind()];
-        let sides = [self.gamma.bind(), self.row(), body.bind(), side.bind()];
-        let rest = [self.n_sides.n.bind(), self.worst.bind(), n.n.bind()];
+        let rest = [self.gamma.bind(), self.row(), self.worst.bind(), n.n.bind()];
         let of_any = [
             self.arms.bind(),
             bodies.orientation.bind(),
@@ -206,7 +188,7 @@ impl Problem {
             self.roll_row.bind(),
             self.cohesion.bind(),
         ];
-        let bound: Vec<Bound> = columns.into_iter().chain(sides).chain(rest).chain(of_any).collect();
+        let bound: Vec<Bound> = columns.into_iter().chain(rest).chain(of_any).collect();
         let (h, g, settings) = (model.step, model.gravity.length(), &model.solver);
         let least_speed = 1e-3f64.max(2.0 * g * h);
         let speeds = [settings.recovery_speed, g * h];
@@ -214,12 +196,7 @@ impl Problem {
             [h, 1.0 / h, least_speed, settings.rest_gap, g * h * h, speeds[0], speeds[1]].map(bits);
         let params = [a, b, c, d, e, f, s, self.feeds as u32, bits(model.envelope)];
         commands.dispatch(device, &self.kernels.rows, &bound, &params, self.contacts());
-        self.sort.record(device, commands, (body, side), &self.n_sides, self.n_bodies as u32);
-        let bound = [self.side_start.bind(), self.all_bodies.n.bind()];
-        commands.dispatch(device, &self.kernels.clear, &bound, &[], self.bodies());
-        self.side_groups.record(device, commands, &self.n_sides);
-        let bound = [body.bind(), self.side_start.bind(), self.n_sides.n.bind()];
-        commands.dispatch(device, &self.kernels.start, &bound, &[], self.side_groups.of_level(&self.n_sides, 0));
+        self.sides.record(device, commands, n);
         self.record_response(device, commands);
     }
 
@@ -332,7 +309,7 @@ impl Problem {
 
     /// The contacts of each body: sides, starts.
     pub fn sides(&self) -> [Bound<'_>; 2] {
-        [self.sides[1].bind(), self.side_start.bind()]
+        self.sides.bind()
     }
 
     /// What a kernel that sums over the contacts of bodies binds beside what turns them: impulses, free velocities, sides, starts.

@@ -15,14 +15,29 @@ impl Gpu {
 
     /// Record a step, of which one in `period` recovers overlaps.
     pub(super) fn record_by(&mut self, model: &Model, plan: &StepPlan, period: u64) -> Result<(), Fault> {
-        let Gpu { device, collision, warm_start, solve, .. } = &*self;
+        let find = self.record_find(model, plan, false);
+        let held = if self.before.from == Stage::Bounds { Some(self.record_find(model, plan, true)) } else { None };
+        let own = self.record_solving(model, period, false)?;
+        let landing = if self.solve.may_land() { Some(self.record_solving(model, period, true)?) } else { None };
+        // What has made the step anew may have changed what pairs there are.
+        self.holding.lasts = 0.0;
+        self.recorded = Recorded { find, held, ahead: None, own, landing, period };
+        Ok(())
+    }
+
+    /// Record the stages up to the contacts with their starting point, for pairs that hold or any.
+    fn record_find(&self, model: &Model, plan: &StepPlan, hold: bool) -> Commands {
+        let Gpu { device, collision, warm_start, solve, .. } = self;
         let mut find = Commands::new();
         if let Some(mechanism) = &self.mechanism {
             find.stage(Stage::JointWrite.name());
             mechanism.record_pose(device, &mut find, &collision.bodies);
         }
         let from = self.before.from;
-        collision.record_from(device, &mut find, model, from);
+        match hold {
+            true => collision.record_held(device, &mut find, model),
+            false => collision.record_from(device, &mut find, model, from),
+        }
         let starts_here = from <= Stage::WarmStart;
         if starts_here {
             find.stage(Stage::WarmStart.name());
@@ -37,10 +52,7 @@ impl Gpu {
             }
             self.rest.record(device, &mut find, &solve.problem);
         }
-        let own = self.record_solving(model, period, false)?;
-        let landing = if solve.may_land() { Some(self.record_solving(model, period, true)?) } else { None };
-        self.recorded = Recorded { find, ahead: None, own, landing, period };
-        Ok(())
+        find
     }
 
     /// Record a step from its contacts on, by the method or by what takes over from it.
@@ -94,7 +106,7 @@ impl Gpu {
         if from <= Stage::WarmStart {
             warm_start.record_keep(device, c, collision.columns(), (problem.impulses(), room));
         }
-        survey.record(device, kernels, c, (model, bodies), (problem, room))?;
+        survey.record(device, kernels, c, (model, bodies), (problem, room, collision.lasts()))?;
         Ok(commands)
     }
 }

@@ -18,7 +18,7 @@
 @group(0) @binding(2) var<storage, read> free: array<Body>;
 @group(0) @binding(3) var<storage, read> side: array<u32>;
 @group(0) @binding(4) var<storage, read> side_start: array<vec2<u32>>;
-@group(0) @binding(5) var<storage, read_write> motion: array<Body>;
+@group(0) @binding(5) var<storage, read_write> motion: array<BodyRow>;
 @group(0) @binding(6) var<storage, read> mass: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read> orientation: array<vec4<f32>>;
 @group(0) @binding(8) var<storage, read> roll: array<vec4<f32>>;
@@ -29,5 +29,5 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if body >= arrayLength(&free) {
         return;
     }
-    motion[body] = response_of(body);
+    motion[body] = body_row(response_of(body));
 }

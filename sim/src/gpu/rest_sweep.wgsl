@@ -14,6 +14,7 @@
 // in    params       [3]           sweeps, whether Coulomb's law is exact, and as bits ω
 // Twin: cpu/solve/sweeps.rs
 #import sphere
+#import project
 #import visit
 #import partial
 #import scalars
@@ -41,8 +42,9 @@ fn visit(k: u32) -> f32 {
     let a = motion[row.bodies.x];
     let b = motion[row.bodies.y];
     let before = gamma[k].xyz;
-    let inverse = inverse_of(row, vec2(a.inv_mass, b.inv_mass), vec2(a.inv_inertia, b.inv_inertia));
-    let z = visited(row, before, gradient_of(row, a, b), inverse, params[1] == 1u);
+    let moment = vec2(a.inv_inertia, b.inv_inertia);
+    let metric = metric_of(row, vec2(a.inv_mass, b.inv_mass), moment, params[1] == 1u);
+    let z = visited(row.normal, row.friction, before, gradient_of(row, a, b), metric);
     let d = (z - before) * bitcast<f32>(params[2]);
     gamma[k] = vec4(before + d, 0.0);
     let spin = cross(row.normal, d);

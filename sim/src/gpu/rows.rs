@@ -239,7 +239,7 @@ gpu::wgsl_rows! {
         most_energetic: u32,
         /// Number of contacts that room is needed for, where a pair may have several.
         needed: u32,
-        /// Not used.
-        pad: u32,
+        /// Number of steps like this one for which the pairs hold, from its start on.
+        lasts: f32,
     }
 }

@@ -1,13 +1,10 @@
-// The rows of the contact problem, and the two sides of each contact with their bodies; the starting point is projected onto the cones.
+// The rows of the contact problem; the starting point is projected onto the cones.
 // in    contact   [n_contacts]
 // in    mass      [n_bodies]      1/kg, and principal, 1/(kg m²)
 // in    velocity  [n_bodies]      m/s, at the step's start
 // in    law       [n_laws]        coefficients of friction, of restitution, of rolling and of spinning friction (m)
 // inout gamma     [n_contacts]    N s, world
 // out   row       [n_contacts]
-// out   side_body [2 n_contacts]  body of each side; that of a body held in place comes after all others
-// out   side      [2 n_contacts]  twice the contact, and one more for B
-// out   n_sides   [1]
 // inout worst     [1]             as bits: the greatest overlap, m; zero in
 // in    count     [1]             n_contacts
 // in    arms      [n_contacts]    m, where they are of any direction
@@ -33,19 +30,16 @@
 @group(0) @binding(3) var<storage, read> law: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read_write> gamma: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read_write> rows: array<Row>;
-@group(0) @binding(6) var<storage, read_write> side_body: array<u32>;
-@group(0) @binding(7) var<storage, read_write> side: array<u32>;
-@group(0) @binding(8) var<storage, read_write> n_sides: array<u32>;
-@group(0) @binding(9) var<storage, read_write> worst: array<atomic<u32>>;
-@group(0) @binding(10) var<storage, read> count: array<u32>;
-@group(0) @binding(11) var<storage, read> arms: array<Arms>;
-@group(0) @binding(12) var<storage, read> orientation: array<vec4<f32>>;
-@group(0) @binding(13) var<storage, read> spin: array<vec4<f32>>;
-@group(0) @binding(14) var<storage, read_write> slip: array<vec4<f32>>;
-@group(0) @binding(15) var<storage, read_write> roll: array<vec4<f32>>;
-@group(0) @binding(16) var<storage, read_write> roll_row: array<vec4<f32>>;
-@group(0) @binding(17) var<storage, read> cohesions: array<f32>;
-@group(0) @binding(18) var<storage, read> params: array<u32>;
+@group(0) @binding(6) var<storage, read_write> worst: array<atomic<u32>>;
+@group(0) @binding(7) var<storage, read> count: array<u32>;
+@group(0) @binding(8) var<storage, read> arms: array<Arms>;
+@group(0) @binding(9) var<storage, read> orientation: array<vec4<f32>>;
+@group(0) @binding(10) var<storage, read> spin: array<vec4<f32>>;
+@group(0) @binding(11) var<storage, read_write> slip: array<vec4<f32>>;
+@group(0) @binding(12) var<storage, read_write> roll: array<vec4<f32>>;
+@group(0) @binding(13) var<storage, read_write> roll_row: array<vec4<f32>>;
+@group(0) @binding(14) var<storage, read> cohesions: array<f32>;
+@group(0) @binding(15) var<storage, read> params: array<u32>;
 
 // Φ/h of a contact: open gaps close within the step; impacts leave at their share of the speed.
 fn offset_of(c: Contact, opening: f32, speed: f32) -> f32 {
@@ -85,13 +79,5 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let overlap = bitcast<u32>(max(-c.gap, 0.0));
     if overlap > atomicLoad(&worst[0]) {
         atomicMax(&worst[0], overlap);
-    }
-    let held = arrayLength(&mass);
-    side_body[2u * k] = select(held, c.bodies.x, mass[c.bodies.x].x > 0.0);
-    side_body[2u * k + 1u] = select(held, c.bodies.y, mass[c.bodies.y].x > 0.0);
-    side[2u * k] = 2u * k;
-    side[2u * k + 1u] = 2u * k + 1u;
-    if k == 0u {
-        n_sides[0] = 2u * count[0];
     }
 }

@@ -8,7 +8,7 @@
 #import scalars
 
 @group(0) @binding(0) var<storage, read> motion_next: array<Body>;
-@group(0) @binding(1) var<storage, read_write> motion: array<Body>;
+@group(0) @binding(1) var<storage, read_write> motion: array<BodyRow>;
 @group(0) @binding(2) var<storage, read> scalars: array<Scalars>;
 
 @compute @workgroup_size(256)
@@ -17,8 +17,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if body >= arrayLength(&motion) {
         return;
     }
-    let x = motion[body];
+    let x = body_of(motion[body]);
     let z = motion_next[body];
     let beta = scalars[0].beta;
-    motion[body] = Body(z.v + (z.v - x.v) * beta, z.inv_mass, z.w + (z.w - x.w) * beta, z.inv_inertia);
+    let v = z.v + (z.v - x.v) * beta;
+    let w = z.w + (z.w - x.w) * beta;
+    motion[body] = BodyRow(vec4(v, z.inv_mass), vec4(w, z.inv_inertia));
 }

@@ -6,6 +6,7 @@
 // in   worst      [1]         as bits: greatest overlap, m
 // in   room       [3]         number of pairs that room is needed for, whether there is room, and the number of contacts
 // in   count      [1]         n_contacts
+// inout lasts     [1]         as bits: steps for which the pairs hold; none told out
 // out  summary    [1]
 // in   params     [1]         n_bodies
 #import scalars
@@ -27,7 +28,7 @@ struct Summary {
     greatest: f32,
     most_energetic: u32,
     needed: u32,
-    pad: u32,
+    lasts: f32,
 }
 
 @group(0) @binding(0) var<storage, read> of_bodies: array<vec4<f32>>;
@@ -37,8 +38,9 @@ struct Summary {
 @group(0) @binding(4) var<storage, read> worst: array<u32>;
 @group(0) @binding(5) var<storage, read> room: array<u32>;
 @group(0) @binding(6) var<storage, read> count: array<u32>;
-@group(0) @binding(7) var<storage, read_write> summary: array<Summary>;
-@group(0) @binding(8) var<storage, read> params: array<u32>;
+@group(0) @binding(7) var<storage, read_write> lasts: array<u32>;
+@group(0) @binding(8) var<storage, read_write> summary: array<Summary>;
+@group(0) @binding(9) var<storage, read> params: array<u32>;
 
 @compute @workgroup_size(256)
 fn main(@builtin(local_invocation_index) thread: u32) {
@@ -65,4 +67,7 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     summary[0].greatest = bitcast<f32>(peaks[1]);
     summary[0].most_energetic = body[1];
     summary[0].needed = room[2];
+    summary[0].lasts = bitcast<f32>(lasts[0]);
+    // More than any.
+    lasts[0] = bitcast<u32>(3.4e38);
 }

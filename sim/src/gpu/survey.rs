@@ -63,7 +63,7 @@ impl Survey {
         kernels: &Kernels,
         commands: &mut Commands,
         (model, bodies): (&Model, &Bodies),
-        (problem, room): (&Problem, &Buffer<u32>),
+        (problem, room, lasts): (&Problem, &Buffer<u32>, &Buffer<u32>),
     ) -> Result<(), GpuError> {
         let get = |name, text| kernel(device, kernels, name, text);
         let [mass, velocity, spin] = [bodies.mass.bind(), bodies.velocity.bind(), bodies.spin.bind()];
@@ -80,7 +80,7 @@ impl Survey {
         commands.dispatch(device, &kernel, &[mass, velocity, spin, peaks, body], &[], groups(bodies.n));
         let kernel = get("summary", include_str!("summary.wgsl"))?;
         let solve = [problem.scalars.bind(), peaks, body, problem.worst.bind(), room.bind()];
-        let rest = [problem.n_contacts.n.bind(), self.summary.bind()];
+        let rest = [problem.n_contacts.n.bind(), lasts.bind(), self.summary.bind()];
         let bound: Vec<gpu::Bound> = [sums].into_iter().chain(solve).chain(rest).collect();
         commands.dispatch(device, &kernel, &bound, &[bodies.n as u32], Work::Groups(1));
         Ok(())

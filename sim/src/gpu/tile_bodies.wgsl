@@ -1,34 +1,40 @@
-// The memory of the workgroups of 128 that sweep tiles, and the tiles of a round, which each of them sweeps one after the other: with `sweep_tile` of the
-// kernel and its columns `round_start`, `is_big`, `tile_size`, `moved`, `scalars` and `params`.
+// The memory of the workgroups that sweep tiles, and the tiles of a round, which each of them sweeps one after the other: with `THREADS` and `sweep_tile` of
+// the kernel and its columns `round_start`, `tiles`, `moved`, `scalars` and `params`.
 
-const THREADS: u32 = 128u;
-// The place of a body that is held.
-const NOWHERE: u32 = 0xffffu;
+// Velocities of the tile's bodies with their reciprocal masses, and angular velocities; of spheres with reciprocal moments of inertia. The last
+// is a body that is held, all of whose numbers are zero.
+var<workgroup> linear: array<vec4<f32>, 481>;
+var<workgroup> angular: array<vec4<f32>, 481>;
 
-// Velocities of the tile's bodies with their reciprocal masses, and angular velocities; of spheres with reciprocal moments of inertia.
-var<workgroup> linear: array<vec4<f32>, 480>;
-var<workgroup> angular: array<vec4<f32>, 480>;
-
-var<workgroup> sums: array<f32, 128>;
+var<workgroup> sums: array<f32, THREADS>;
 
 // The sum of a term over the threads of the workgroup, in thread 0. All threads call it.
 fn tile_total(thread: u32, term: f32) -> f32 {
     sums[thread] = term;
-    for (var step = 1u; step < THREADS; step <<= 1u) {
-        workgroupBarrier();
-        if thread % (2u * step) == 0u {
-            sums[thread] += sums[thread + step];
+    workgroupBarrier();
+    var sum = 0.0;
+    if thread < 8u {
+        for (var i = thread; i < THREADS; i += 8u) {
+            sum += sums[i];
+        }
+        sums[thread] = sum;
+    }
+    workgroupBarrier();
+    if thread == 0u {
+        for (var i = 1u; i < 8u; i++) {
+            sum += sums[i];
         }
     }
-    return sums[thread];
+    return sum;
 }
 
-// Sweep the tiles of the round of `params`, those of one of the workgroups; none once the solve has ended.
+// Sweep the tiles of a round, those of one of the workgroups; none once the solve has ended. `params` begin with the round, the index of this
+// dispatch and the number of dispatches of a round.
 fn sweep_round(group: u32, n_groups: u32, thread: u32) {
     let end = select(round_start[params[0]], round_start[params[0] + 1u], scalars[0].goes_on == 1u);
-    let first = round_start[params[0]] + group * params[5] + params[4];
-    for (var tile = first; tile < end; tile += n_groups * params[5]) {
-        if is_big[tile] == 0u && tile_size[tile].y > 0u {
+    let first = round_start[params[0]] + group * params[2] + params[1];
+    for (var tile = first; tile < end; tile += n_groups * params[2]) {
+        if tiles[tile].y > 0u {
             sweep_tile(tile, thread);
         } else if thread == 0u {
             moved[tile] = 0.0;

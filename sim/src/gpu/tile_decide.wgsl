@@ -4,7 +4,7 @@
 // inout scalars  [1]
 // inout work     [2]        workgroups of the joints and of `closing`
 // in    counts   [2]        n_tiles, n_contacts
-// in    params   [2]        as bits: tolerance (m/s); whether `closing` decides once the iterations of the settings are done
+// in    params   [3]        as bits: tolerance (m/s); whether `closing` decides once the iterations of the settings are done; number of rounds
 // Twin: cpu/solve/sweeps.rs
 #import scalars
 #import partial
@@ -21,8 +21,7 @@
 fn main(@builtin(local_invocation_index) thread: u32) {
     let is_active = scalars[0].goes_on == 1u;
     var sums = vec4(0.0);
-    // Those of round 8 are the pairs in no tile.
-    let n_tiles = select(0u, round_start[8], is_active);
+    let n_tiles = select(0u, round_start[params[2]], is_active);
     for (var i = thread; i < n_tiles; i += 1024u) {
         let first = vec4(moved[i], 0.0, 0.0, 0.0) + below(vec4(moved[min(i + 256u, n_tiles - 1u)], 0.0, 0.0, 0.0), i + 256u, n_tiles);
         sums += first + (below(vec4(moved[min(i + 512u, n_tiles - 1u)], 0.0, 0.0, 0.0), i + 512u, n_tiles) + below(vec4(moved[min(i + 768u, n_tiles - 1u)], 0.0, 0.0, 0.0), i + 768u, n_tiles));

@@ -11,9 +11,10 @@
 // out  pairs       [n_pairs]    in the order of tiles
 // out  local       [n_pairs]    places of the two bodies in the tile's list, 16 bits each; all ones for one that is held
 // out  tile_body   [2 n_pairs]  bodies of each tile, from twice its first pair on
-// out  tile_size   [n_tiles]    number of bodies; that of visits follows in each step
+// out  tile_size   [n_tiles]    number of bodies
 // out  is_big      [n_tiles]
-// in   params      [3]          the most bodies of a tile that is not big, the index of this dispatch, and the number of dispatches
+// in   params      [4]          the most bodies of a tile that is not big, the index of this dispatch, the number of dispatches, and that of the
+//                               rounds whose tiles are swept by workgroups of their own
 // Twin: cpu/solve/schedule.rs
 #import side
 
@@ -94,7 +95,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     for (var k = first + thread; k < end; k += THREADS) {
         pairs[k] = sorted[k];
     }
-    if end - first > MOST || tile >= round_start[8] {
+    if end - first > MOST || tile >= round_start[params[3]] {
         if thread == 0u {
             is_big[tile] = 1u;
         }

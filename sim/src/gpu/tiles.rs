@@ -4,12 +4,12 @@
 //! inout  pairs        [n_pairs]     in the order of tiles and colours out
 //! out    tile_first   [n_tiles]     first pair of each tile
 //! out    round_start  [10]          first tile of each round, and of the pairs in no tile
-//! out    color        [n_pairs]
+//! out    color        [n_pairs]     of spheres; of any shapes those of big tiles, since their pairs that touch are coloured in each step
 //! out    local        [n_pairs]     places of the bodies in the tile's list
 //! out    tile_body    [2 n_pairs]   bodies of each tile
-//! out    tile_size    [n_tiles]     number of bodies, and of colours
+//! out    tile_size    [n_tiles]     number of bodies; of a big one, of pairs without a colour, and of colours
 //! out    big          [n_big]       tiles that do not fit a workgroup
-//! Kernels: tile_due.wgsl, tile_key.wgsl, the sort, tile_pairs.wgsl, the compaction, tile_rounds.wgsl, tile_color.wgsl, rest_color.wgsl.
+//! Kernels: tile_due.wgsl, tile_key.wgsl, the sort, tile_pairs.wgsl, the compaction, tile_rounds.wgsl, tile_list.wgsl, tile_color.wgsl, rest_color.wgsl.
 //! Twin: cpu/pair_write.rs and cpu/solve/schedule.rs, which have two rounds of tiles, and what crosses both.
 
 use super::bin_emit::Bins;
@@ -34,6 +34,10 @@ const LEAST_EDGE: f64 = 2.5;
 /// The most bodies of a tile that is not big: with them the memory of a workgroup is 16 KiB.
 const MOST_BODIES: u32 = 480;
 
+/// Moving bodies to a workgroup that takes the tiles of a round one after the other, and the most workgroups: enough to fill any device.
+const BODIES_OF_GROUP: usize = 128;
+const MOST_GROUPS: usize = 4096;
+
 /// Ways to cut space into tiles: four where a quarter of a tile holds any pair, else eight.
 const WAYS: [u32; 2] = [4, 8];
 
@@ -48,14 +52,13 @@ pub struct Tiles {
     pub n: Count,
     /// First tile of each round and of the pairs in no tile, and the end (10).
     pub round_start: Buffer<u32>,
-    /// Colours of the pairs of big tiles (n_pairs).
+    /// Colours of the pairs (n_pairs).
     pub color: Buffer<u32>,
     /// Places of a pair's bodies in the list of its tile, 16 bits each (n_pairs).
     pub local: Buffer<u32>,
     /// Bodies of each tile, from twice its first pair on (2 n_pairs).
     pub body: Buffer<u32>,
-    /// Number of bodies of each tile, and room for that of the visits of a step; of a big one, number of pairs without a colour and of
-    /// colours (n_tiles).
+    /// Number of bodies of each tile; of a big one, number of pairs without a colour and of colours (n_tiles).
     pub size: Buffer<[u32; 2]>,
     /// Whether a tile does not fit a workgroup (n_tiles).
     pub is_big: Buffer<u32>,
@@ -68,9 +71,14 @@ pub struct Tiles {
     compact: [Compact; 2],
     groups: [Groups; 2],
     /// Number of dispatches that list the bodies of the tiles, each of them some.
-    pub n_pieces: u32,
-    /// Number of rounds.
+    n_pieces: u32,
+    /// Workgroups of a dispatch over tiles, which take one after the other.
+    n_groups: u32,
+    /// Whether colours last as long as the pairs: most pairs of spheres touch, and few of any shapes.
+    is_lasting: bool,
+    /// Number of rounds whose tiles workgroups of their own sweep: the ways to cut space, and where pairs may fit none of these, one for the rest.
     pub rounds: u32,
+    ways: u32,
     home: Buffer<u32>,
     key: Buffer<u32>,
     id: Buffer<u32>,
@@ -92,10 +100,43 @@ struct TileKernels {
     pairs: Kernel,
     rounds: Kernel,
     list: Kernel,
+    color: Kernel,
     rest: Kernel,
 }
 
 impl Tiles {
+    /// Workgroups of each of the dispatches over tiles, and their number: more than one where it would keep the adapter for too long. They take a quarter
+    /// of the time of the pairs.
+    pub fn pieces(&self) -> (u32, u32) {
+        let n_pieces = self.n_pieces.div_ceil(4);
+        (self.n_groups.div_ceil(n_pieces), n_pieces)
+    }
+
+    /// Record the colours of the pairs that touch, in steps in which there are tiles, unless they have lasting ones.
+    pub fn record_touching(&self, device: &Device, commands: &mut Commands, of: (&Pairs, &Buffer<u32>)) {
+        if !self.is_lasting {
+            self.record_colors(device, commands, of, (&self.n, false));
+        }
+    }
+
+    fn record_colors(
+        &self,
+        device: &Device,
+        commands: &mut Commands,
+        (pairs, place): (&Pairs, &Buffer<u32>),
+        (due, are_all): (&Count, bool),
+    ) {
+        let (n_groups, n_pieces) = self.pieces();
+        let of_tiles = [self.first.bind(), self.size.bind(), self.is_big.bind(), self.round_start.bind()];
+        let counts = [self.n.n.bind(), pairs.n.n.bind(), due.n.bind()];
+        let from = [place.bind(), self.local.bind()];
+        let bound: Vec<Bound> = from.into_iter().chain(of_tiles).chain(counts).chain([self.color.bind()]).collect();
+        for piece in 0..n_pieces {
+            let params = [are_all as u32, piece, n_pieces, self.rounds];
+            commands.dispatch(device, &self.kernels.color, &bound, &params, Work::Groups(n_groups));
+        }
+    }
+
     /// For the pairs of these spheres.
     pub fn new(
         device: &Device,
@@ -113,9 +154,9 @@ impl Tiles {
         let crowd = CROWD[(bodies.layout.narrow == Narrow::Any) as usize];
         let edge = (crowd * spheres.volume).cbrt().max(LEAST_EDGE * spheres.width);
         let edge_bits = if edge < 4.0 * spheres.width { 1 } else { 2 };
-        let rounds = WAYS[(4.0 * spheres.longest > edge) as usize];
+        let ways = WAYS[(4.0 * spheres.longest > edge) as usize];
         // In each way a body is in one cube; one tile more has the pairs that fit none.
-        let most_tiles = room.min(rounds as usize * bodies.n + 1);
+        let most_tiles = room.min(ways as usize * bodies.n + 1);
         let of_tiles = |name| Buffer::zeros(device, name, most_tiles);
         let n_pieces = if device.adapter.software { room.div_ceil(PIECE) as u32 } else { 1 };
         Ok(Tiles {
@@ -135,13 +176,17 @@ impl Tiles {
                 pairs: get("tile_pairs", include_str!("tile_pairs.wgsl"))?,
                 rounds: get("tile_rounds", include_str!("tile_rounds.wgsl"))?,
                 list: get("tile_list", include_str!("tile_list.wgsl"))?,
+                color: get("tile_color", include_str!("tile_color.wgsl"))?,
                 rest: get("rest_color", include_str!("rest_color.wgsl"))?,
             },
             sort: RadixSort::new(device, kernels, room)?,
             compact: [compact(room)?, compact(most_tiles)?],
             groups: [Groups::new(device, kernels, ROWS)?, Groups::new(device, kernels, n_pieces as usize)?],
             n_pieces,
-            rounds,
+            n_groups: bodies.n.div_ceil(BODIES_OF_GROUP).clamp(1, MOST_GROUPS) as u32,
+            is_lasting: bodies.layout.narrow == Narrow::Spheres,
+            ways,
+            rounds: if ways == WAYS[0] { ways } else { ways + 1 },
             home: Buffer::of(device, "home", &home)?,
             key: column("tile_key")?,
             id: column("tile pairs")?,
@@ -162,7 +207,7 @@ impl Tiles {
         device: &Device,
         commands: &mut Commands,
         (bodies, at, fixtures): (&Bodies, &Spheres, &Fixtures),
-        (due, bins, to): (&Due, &Bins, &Pairs),
+        (due, bins, to, place): (&Due, &Bins, &Pairs, &Buffer<u32>),
     ) {
         let (kernels, one) = (&self.kernels, Work::Groups(1));
         let [n_due, n_tiles, n_big] = [&self.n_due, &self.n, &self.n_big].map(|count| count.n.bind());
@@ -181,7 +226,7 @@ impl Tiles {
         let work = of_pairs.of_level(&self.n_due, 0);
         let boxes = [self.home.bind(), at.fat_aabb.bind(), bins.grid.bind()];
         let bound: Vec<Bound> = [pairs].into_iter().chain(shapes).chain(boxes).chain([key, id, n_due]).collect();
-        let params = [self.cube_bits, bits(self.edge), self.edge_bits, self.rounds];
+        let params = [self.cube_bits, bits(self.edge), self.edge_bits, self.ways];
         commands.dispatch(device, &kernels.key, &bound, &params, work);
         self.sort.record(device, commands, (&self.key, &self.id), &self.n_due, 8 << self.cube_bits);
         let sorted = self.sorted.bind();
@@ -197,8 +242,11 @@ impl Tiles {
         let out = [pairs, self.local.bind(), self.body.bind(), size, is_big];
         let bound: Vec<Bound> = from.into_iter().chain(out).collect();
         for piece in 0..self.n_pieces {
-            let params = [MOST_BODIES, piece, self.n_pieces];
+            let params = [MOST_BODIES, piece, self.n_pieces, self.rounds];
             commands.dispatch(device, &kernels.list, &bound, &params, of_tiles.of_level(&self.n_colored, 0));
+        }
+        if self.is_lasting {
+            self.record_colors(device, commands, (to, place), (&self.n_colored, true));
         }
         self.compact[1].record(device, commands, &self.is_big, &self.n_colored, &self.big, &self.n_big);
         let from = [pairs, sphere, fixture, activity, first, n_tiles, n_pairs, n_colored];

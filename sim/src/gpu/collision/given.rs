@@ -28,7 +28,7 @@ use std::collections::HashMap;
 pub struct Placed {
     /// The contact of the processor for each of the device (n_contacts).
     pub order: Vec<u32>,
-    /// The pair of each contact, and the number of contacts before each pair, where they are in tiles.
+    /// The pair of each contact, and the number of contacts before each pair.
     touching: Vec<u32>,
     place: Vec<u32>,
 }
@@ -36,10 +36,10 @@ pub struct Placed {
 impl Collision {
     /// Record the stages from one on. The tiles are the device's own, also of pairs that it is given.
     pub fn record_from(&self, device: &Device, c: &mut Commands, model: &Model, from: Stage) {
-        let Collision { bodies, spheres, fixtures, due, bins, pairs, contacts, .. } = self;
+        let Collision { bodies, spheres, fixtures, due, bins, pairs, .. } = self;
         if from <= Stage::Bounds {
             c.stage("bounds");
-            self.bounds.record(device, c, model, (bodies, spheres), due);
+            self.bounds.record(device, c, model, (bodies, spheres), (due, false));
         }
         if from <= Stage::BinEmit {
             c.stage("bin_emit");
@@ -63,22 +63,39 @@ impl Collision {
         if from == Stage::ContactWrite {
             c.stage("contact_write");
         }
-        self.record_tiles(device, c);
+        self.record_order(device, c);
+        self.record_contacts(device, c, model, false);
+    }
+
+    /// Record the stages for pairs that hold: the boxes, and the contacts of the pairs that there are. If they do not hold after all, the step
+    /// has no room, and is undone.
+    pub fn record_held(&self, device: &Device, c: &mut Commands, model: &Model) {
+        c.stage("bounds");
+        self.bounds.record(device, c, model, (&self.bodies, &self.spheres), (&self.due, true));
+        self.record_contacts(device, c, model, true);
+    }
+
+    fn record_contacts(&self, device: &Device, c: &mut Commands, model: &Model, hold: bool) {
+        let Collision { bodies, spheres, fixtures, due, pairs, contacts, .. } = self;
+        let shapes = (bodies, spheres, fixtures);
         c.stage("contact_write");
         match &self.manifolds {
-            None => self.contact_write.record(device, c, model, (bodies, spheres, fixtures), (pairs, contacts)),
+            None => self.contact_write.record(device, c, model, shapes, (due, hold), (pairs, contacts)),
             Some(manifolds) => {
                 let to = (pairs, &contacts.contact, &contacts.n);
-                manifolds.record(device, c, model, (bodies, spheres, fixtures), to);
+                manifolds.record(device, c, model, shapes, (due, hold), to);
             }
         }
     }
 
-    fn record_tiles(&self, device: &Device, c: &mut Commands) {
+    /// Record what the order of the pairs is: that of tiles, and by bodies.
+    fn record_order(&self, device: &Device, c: &mut Commands) {
+        let shapes = (&self.bodies, &self.spheres, &self.fixtures);
         if let Some(tiles) = &self.tiles {
-            let shapes = (&self.bodies, &self.spheres, &self.fixtures);
-            tiles.record(device, c, shapes, (&self.due, &self.bins, &self.pairs));
+            let [_, place] = self.of_pairs();
+            tiles.record(device, c, shapes, (&self.due, &self.bins, &self.pairs, place));
         }
+        self.pair_order.record(device, c, shapes, (&self.due, &self.pairs));
     }
 
     /// The boxes of the last run, bits of a bin's index, the usual width of a bin and the unit, m, and what was found of these.
@@ -184,15 +201,12 @@ impl Collision {
         self.pairs.room.write(device, &[rows.len() as u32, 1, 0]);
     }
 
-    /// Find the places of contacts: where they are to be in tiles, their pairs are put into these.
+    /// Find the places of contacts: their pairs are given to the device, and where they are to be in tiles, these put them in order.
     ///
     /// # Errors
     /// [`Fault::Gpu`].
     pub fn place_contacts(&self, device: &Device, model: &Model, contacts: &Contacts) -> Result<Placed, Fault> {
         let n = contacts.len() as u32;
-        if self.tiles.is_none() {
-            return Ok(Placed { order: (0..n).collect(), ..Placed::default() });
-        }
         let sides = self.sides(model);
         let pair_of = |i: u32| {
             let [s, t, _] = contacts.key[i as usize];
@@ -206,7 +220,7 @@ impl Collision {
         self.give_pairs(device, &runs.iter().map(|run| pair_of(run[0])).collect::<Vec<_>>());
         let mut commands = Commands::new();
         commands.stage("pair_write");
-        self.record_tiles(device, &mut commands);
+        self.record_order(device, &mut commands);
         commands.submit(device)?;
         let mut left: HashMap<[u32; 2], Vec<&[u32]>> = HashMap::new();
         runs.iter().rev().for_each(|run| left.entry(pair_of(run[0])).or_default().push(run));
@@ -254,12 +268,10 @@ impl Collision {
             };
             manifolds.arms.write(device, &placed.order.iter().map(arms).collect::<Vec<_>>());
         }
-        if self.tiles.is_some() {
-            let [touching, place] = self.of_pairs();
-            place.write(device, &placed.place);
-            if self.manifolds.is_none() {
-                touching.write(device, &placed.touching);
-            }
+        let [touching, place] = self.of_pairs();
+        place.write(device, &placed.place);
+        if self.manifolds.is_none() {
+            touching.write(device, &placed.touching);
         }
     }
 }
