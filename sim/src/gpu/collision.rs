@@ -80,9 +80,11 @@ impl Collision {
         let fixtures = Fixtures::new(device, model, state, (scale, &spheres.hulls))?;
         let n = spheres.n;
         let bins = Bins::new(device, n)?;
-        // A sphere in a bed is near to about eight others and touches six of them, a pair each for two; solids touch at several points.
-        let room = 4 * n + 64;
-        let of_contacts = if narrow == Narrow::Spheres { 3 * n + 64 } else { room };
+        // A sphere in a bed touches about six others, a pair each for two, and is near to few more; solids touch at several points.
+        let [room, of_contacts] = match narrow {
+            Narrow::Spheres => [13 * n / 4 + 64, 3 * n + 64],
+            Narrow::Any => [4 * n + 64; 2],
+        };
         let manifolds = match narrow {
             Narrow::Spheres => None,
             Narrow::Any => Some(Manifolds::new(device, kernels, layout, (&spheres, &fixtures), [room; 2])?),

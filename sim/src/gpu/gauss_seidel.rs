@@ -286,13 +286,16 @@ impl GaussSeidel {
                 commands.dispatch(device, sweep, &of_sweep, params, Work::Groups(self.n_groups));
             }
         }
-        commands.dispatch(device, rest, &of_rest, &self.params, Work::Groups(1));
+        // Without joints the last kernel decides whether another iteration follows.
+        let deciding = [bits(self.tolerance), self.closing.is_some() as u32, c.rounds];
+        let decides = problem.joints.is_none() as u32;
+        let params: Vec<u32> = self.params.into_iter().chain([decides]).chain(deciding).collect();
+        commands.dispatch(device, rest, &of_rest, &params, Work::Groups(1));
         if let Some(joints) = &problem.joints {
             let work = Work::Indirect(&self.work, 0);
             joints.record_more(device, commands, &problem.of_joints(), work);
+            commands.dispatch(device, &self.decide, &of_decision, &deciding, Work::Groups(1));
         }
-        let params = [bits(self.tolerance), self.closing.is_some() as u32, c.rounds];
-        commands.dispatch(device, &self.decide, &of_decision, &params, Work::Groups(1));
     }
 
     /// The commands, under the name of a stage, that decide after an iteration whether there are more than those of the settings, where there may be.
@@ -319,6 +322,7 @@ impl GaussSeidel {
             (c.place.bind(), self.order.bind(), c.color.bind(), c.first.bind(), c.size.bind());
         let (n_tiles, n_pairs) = (c.n_tiles.n.bind(), c.n_pairs.n.bind());
         let of_tiles = [self.tile.bind(), c.body.bind(), c.round_start.bind(), motion];
+        let of_decision = [moved, c.round_start.bind(), self.work.bind(), problem.n_contacts.n.bind(), scalars];
         let of_big = [color, first, size, c.big.bind(), c.n_big.n.bind(), n_tiles, n_pairs];
         let [mass, orientation] = problem.inertia();
         let [roll, roll_row] = problem.rolling();
@@ -326,14 +330,15 @@ impl GaussSeidel {
             Visits::Spheres { visits, impulses, .. } => {
                 let sweep = [visits.bind()].into_iter().chain(of_tiles).chain([impulses.bind(), moved, scalars]);
                 let rest = [row, c.touching.bind(), place].into_iter().chain(of_big);
-                [sweep.collect(), rest.chain([motion, gamma, moved_rest, scalars]).collect()]
+                [sweep.collect(), rest.chain([motion, gamma, moved_rest]).chain(of_decision).collect()]
             }
             Visits::Manifolds { visits, .. } => {
                 let own = [row, visits.bind(), place];
-                let of_bodies = [mass, orientation, roll, roll_row, scalars];
+                let of_bodies = [mass, orientation, roll, roll_row];
                 let sweep = own.into_iter().chain([order]).chain(of_tiles).chain([gamma, moved]);
                 let rest = own.into_iter().chain(of_big).chain([motion, gamma, moved_rest]);
-                [sweep.chain(of_bodies).collect(), rest.chain(of_bodies).collect()]
+                let sweep = sweep.chain(of_bodies).chain([scalars]);
+                [sweep.collect(), rest.chain(of_bodies).chain(of_decision).collect()]
             }
         }
     }

@@ -38,6 +38,7 @@ const PARTS: &[Part<'static>] = parts!(
     "visit",
     "tile_bodies",
     "tile_listed",
+    "tile_decided",
     "tile_visit",
     "manifold",
     "tensor",

@@ -97,7 +97,6 @@ impl Row {
 struct ProblemKernels {
     rows: Kernel,
     response: Kernel,
-    spin_response: Kernel,
     residual: Kernel,
     residual_sum: Kernel,
 }
@@ -151,7 +150,6 @@ impl Problem {
             kernels: ProblemKernels {
                 rows: get("solve_rows", include_str!("solve_rows.wgsl"))?,
                 response: get("response", include_str!("response.wgsl"))?,
-                spin_response: get("spin_response", include_str!("spin_response.wgsl"))?,
                 residual: get("residual", include_str!("residual.wgsl"))?,
                 residual_sum: get("residual_sum", include_str!("residual_sum.wgsl"))?,
             },
@@ -202,28 +200,12 @@ impl Problem {
 
     /// Record the velocities with the impulses.
     pub fn record_response(&self, device: &Device, commands: &mut Commands) {
-        self.record_response_of(device, commands, (&self.kernels.response, self.row()), false);
-    }
-
-    /// Record the velocities with the impulses of an iterate, which has left what they turn the bodies by.
-    pub fn record_iterate(&self, device: &Device, commands: &mut Commands) {
-        self.record_response_of(device, commands, (&self.kernels.spin_response, self.spin.bind()), true);
-    }
-
-    /// With `is_checked` the velocities of joints are solved where an iteration has bodies to do.
-    fn record_response_of(
-        &self,
-        device: &Device,
-        commands: &mut Commands,
-        (kernel, turns): (&Kernel, Bound),
-        is_checked: bool,
-    ) {
         let [gamma, free, side, start] = self.sums_of_bodies();
         let [mass, orientation] = self.inertia();
-        let bound = [turns, gamma, free, side, start, self.motion.bind(), mass, orientation, self.roll.bind()];
-        commands.dispatch(device, kernel, &bound, &[], self.bodies());
+        let bound = [self.row(), gamma, free, side, start, self.motion.bind(), mass, orientation, self.roll.bind()];
+        commands.dispatch(device, &self.kernels.response, &bound, &[], self.bodies());
         if let Some(joints) = &self.joints {
-            joints.record_response(device, commands, &self.of_joints(), is_checked);
+            joints.record_response(device, commands, &self.of_joints(), false);
         }
     }
 

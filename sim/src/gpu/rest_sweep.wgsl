@@ -1,4 +1,5 @@
-// Gauss–Seidel over the contacts of big tiles and of pairs in no tile, one tile after the other, by one workgroup on the columns in memory.
+// Gauss–Seidel over the contacts of big tiles and of pairs in no tile, one tile after the other, by one workgroup on the columns in memory; and, where no joints follow,
+// whether another iteration does.
 // in    rows         [n_contacts]
 // in    touching     [n_contacts]  the pair of each contact
 // in    place        [n_pairs + 1] number of contacts of the pairs before each pair
@@ -9,15 +10,19 @@
 // in    counts       [3]           n_big, n_tiles, n_pairs
 // inout motion       [n_bodies]    m/s, rad/s
 // inout gamma        [n_contacts]  N s, world
-// out   moved        [1]           residual terms of the first sweep squared, m²/s²
-// in    scalars      [1]
-// in    params       [3]           sweeps, whether Coulomb's law is exact, and as bits ω
+// out   rest_moved   [1]           residual terms of the first sweep squared, m²/s²
+// in    moved        [n_tiles]     the same of the other tiles
+// in    round_start  [10]          first tile of each round
+// inout work         [2]           workgroups of the joints and of `closing`
+// in    count        [1]           n_contacts
+// inout scalars      [1]
+// in    params       [7]           sweeps, whether Coulomb's law is exact, and as bits ω; whether it is decided; as bits the tolerance (m/s),
+//                                  whether `closing` decides once the iterations of the settings are done, and number of rounds
 // Twin: cpu/solve/sweeps.rs
 #import sphere
 #import project
 #import visit
-#import partial
-#import scalars
+#import tile_decided
 
 @group(0) @binding(0) var<storage, read> rows: array<Row>;
 @group(0) @binding(1) var<storage, read> touching: array<u32>;
@@ -31,9 +36,13 @@
 @group(0) @binding(9) var<storage, read> n_pairs: array<u32>;
 @group(0) @binding(10) var<storage, read_write> motion: array<Body>;
 @group(0) @binding(11) var<storage, read_write> gamma: array<vec4<f32>>;
-@group(0) @binding(12) var<storage, read_write> moved: array<f32>;
-@group(0) @binding(13) var<storage, read> scalars: array<Scalars>;
-@group(0) @binding(14) var<storage, read> params: array<u32>;
+@group(0) @binding(12) var<storage, read_write> rest_moved: array<f32>;
+@group(0) @binding(13) var<storage, read> moved: array<f32>;
+@group(0) @binding(14) var<storage, read> round_start: array<u32>;
+@group(0) @binding(15) var<storage, read_write> work: array<vec4<u32>>;
+@group(0) @binding(16) var<storage, read> count: array<u32>;
+@group(0) @binding(17) var<storage, read_write> scalars: array<Scalars>;
+@group(0) @binding(18) var<storage, read> params: array<u32>;
 
 const THREADS: u32 = 256u;
 
@@ -94,6 +103,9 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     }
     let total = group_total(thread, vec4(term, 0.0, 0.0, 0.0));
     if thread == 0u {
-        moved[0] = total.x;
+        rest_moved[0] = total.x;
+    }
+    if params[3] == 1u {
+        decide(thread, total.x, bitcast<f32>(params[4]), params[5] == 1u, params[6]);
     }
 }

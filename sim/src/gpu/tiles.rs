@@ -155,8 +155,8 @@ impl Tiles {
         let edge = (crowd * spheres.volume).cbrt().max(LEAST_EDGE * spheres.width);
         let edge_bits = if edge < 4.0 * spheres.width { 1 } else { 2 };
         let ways = WAYS[(4.0 * spheres.longest > edge) as usize];
-        // In each way a body is in one cube; one tile more has the pairs that fit none.
-        let most_tiles = room.min(ways as usize * bodies.n + 1);
+        // A tile of the first way has a body at least, one of another two, which the first has parted; one tile more has the pairs that fit none.
+        let most_tiles = room.min((ways as usize + 1) * bodies.n / 2 + 1);
         let of_tiles = |name| Buffer::zeros(device, name, most_tiles);
         let n_pieces = if device.adapter.software { room.div_ceil(PIECE) as u32 } else { 1 };
         Ok(Tiles {
