@@ -83,9 +83,10 @@ fn a_run_goes_on_from_a_checkpoint_bit_for_bit() {
     let work = scratch();
     let place = |name: &str| work.path().join(name).to_str().unwrap().to_string();
     let sweeps = ["--set", "solver.method=gauss_seidel", "--set", "solver.friction=exact"];
-    for (case, (model, steps, set)) in
-        [("pour", 1000, &[][..]), ("pour", 1000, &sweeps), ("pendulums", 800, &[])].into_iter().enumerate()
-    {
+    // Lines that are due in the middle between two steps are in the same one.
+    let between = ["--set", "probes.interval=0.00175"];
+    let all = [("pour", 1000, &[][..]), ("pour", 1000, &sweeps), ("pendulums", 800, &[]), ("pendulums", 800, &between)];
+    for (case, (model, steps, set)) in all.into_iter().enumerate() {
         let path = format!("sim/models/{model}.yaml");
         let (half, whole) = if model == "pour" { ("0.5", "1.0") } else { ("0.2", "0.4") };
         let (one, two) = (place(&format!("{case}a")), place(&format!("{case}b")));

@@ -262,7 +262,8 @@ struct Run<'a> {
     hash: String,
     report: Series,
     probes: Series,
-    next_probe: f64,
+    /// Number of the next line of the probes; that of time 0 is 0.
+    next_probe: u64,
     next_checkpoint: f64,
     /// Steps of checkpoints that serve only a restart: all but the last are removed.
     transient: Vec<u64>,
@@ -289,7 +290,7 @@ impl<'a> Run<'a> {
         observer.begin(&sim, &frame_of(&sim.model, &sim.state, 0), &mut writer)?;
         let report = Series::create(&folder.join(REPORT), &report_header())?;
         let probes = Series::create(&folder.join(PROBES), &probe_header(&sim.model, &resolved.probes))?;
-        let (next_probe, next_checkpoint, transient) = (0.0, 0.0, vec![]);
+        let (next_probe, next_checkpoint, transient) = (0, 0.0, vec![]);
         let mut run =
             Run { file, resolved, folder, writer, sim, hash, report, probes, next_probe, next_checkpoint, transient };
         run.probe()?;
@@ -329,11 +330,15 @@ impl<'a> Run<'a> {
         let report_from = if sim.state.steps == 0 { f64::NEG_INFINITY } else { time - 0.5 * h };
         let report = Series::reopen(&folder.join(REPORT), 1, report_from, last)?;
         let probes = Series::reopen(&folder.join(PROBES), 0, time - interval - 0.5 * h, last)?;
-        let (next_probe, next_checkpoint, transient) = (0.0, 0.0, vec![]);
+        let (next_probe, next_checkpoint, transient) = (0, 0.0, vec![]);
         let mut run =
             Run { file, resolved, folder, writer, sim, hash, report, probes, next_probe, next_checkpoint, transient };
         let after = |interval: f64| ((time + 0.5 * h) / interval).floor() * interval + interval;
-        run.next_probe = after(resolved.probes.interval);
+        // Lines are numbered, so that they are at the same instants as without an interruption.
+        run.next_probe = (time / interval) as u64;
+        while run.is_probe_due() {
+            run.next_probe += 1;
+        }
         run.next_checkpoint = after(run.checkpoint_interval());
         Ok(run)
     }
@@ -425,11 +430,16 @@ impl<'a> Run<'a> {
         self.writer.set_warnings(entries(&self.sim.state.watch.warnings));
     }
 
-    fn probe(&mut self) -> Result<(), RunError> {
+    /// Whether the time of the next line of the probes has come: a multiple of their interval, to half a step.
+    fn is_probe_due(&self) -> bool {
         let h = self.sim.model.step;
-        if self.sim.state.time >= self.next_probe - 0.5 * h {
+        self.sim.state.time >= self.next_probe as f64 * self.resolved.probes.interval.max(h) - 0.5 * h
+    }
+
+    fn probe(&mut self) -> Result<(), RunError> {
+        if self.is_probe_due() {
             self.sim.fetch()?;
-            self.next_probe += self.resolved.probes.interval.max(h);
+            self.next_probe += 1;
             self.probes.push(&probe_line(&self.sim.model, &self.sim.state, &self.resolved.probes))?;
         }
         Ok(())

@@ -448,6 +448,8 @@ impl ContactSolve {
             }
             Columns::Apgd(apgd) => apgd.record_end(device, commands, &self.problem),
             Columns::BarzilaiBorwein(own) => own.record_end(device, commands, &self.problem),
+            // The joints of an iterate are solved less exactly.
+            Columns::Jacobi if self.problem.joints.is_some() => self.problem.record_response(device, commands),
             Columns::Jacobi => {}
         }
         self.problem.record_residual(device, commands);

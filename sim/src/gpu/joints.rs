@@ -182,7 +182,8 @@ impl Joints {
 
     /// Record the velocities of a problem with the joints, from those without; with `is_checked`, where an iteration has bodies to do.
     pub fn record_response(&self, device: &Device, commands: &mut Commands, of: &Solve, is_checked: bool) {
-        let params = [is_checked as u32, EXACT_ROUNDS, 0];
+        // An iterate need not be exact: the next corrects it.
+        let params = [is_checked as u32, if is_checked { 0 } else { EXACT_ROUNDS }, 0];
         let bound = self.bound(&[of.motion, of.free, of.groups]);
         commands.dispatch(device, &self.response, &bound, &params, Work::Groups(1));
     }
