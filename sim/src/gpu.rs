@@ -120,6 +120,8 @@ struct Holding {
     waits: u32,
     /// Whether the step was begun as if they hold.
     is_held: bool,
+    /// Steps that were begun so although they did not.
+    n_failed: u64,
 }
 
 /// The recorded commands of a step.
@@ -172,6 +174,8 @@ pub struct Usage {
     pub bytes_per_contact_sweep: f64,
     /// Sweeps of an iteration.
     pub sweeps: u32,
+    /// Steps that were begun as if the pairs held, and begun again since they did not.
+    pub begun_again: u64,
 }
 
 /// What a step has done.
@@ -260,6 +264,7 @@ impl Gpu {
             largest_buffer: self.device.largest_buffer(),
             bytes_per_contact_sweep: self.solve.bytes,
             sweeps: self.solve.sweeps,
+            begun_again: self.holding.n_failed,
         }
     }
 
@@ -610,7 +615,7 @@ impl Holding {
     fn fail(&mut self) {
         /// Steps to wait.
         const WAIT: u32 = 10;
-        *self = Holding { lasts: 0.0, waits: WAIT, is_held: false };
+        *self = Holding { lasts: 0.0, waits: WAIT, is_held: false, n_failed: self.n_failed + 1 };
     }
 }
 

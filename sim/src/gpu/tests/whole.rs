@@ -76,6 +76,33 @@ fn steps_of_a_bed_are_those_of_the_cpu() {
     }
 }
 
+/// A step is begun as if its pairs held where bodies that go on as they did would stay in their boxes. One that is struck does not: the step is
+/// begun again, and no contact is lost.
+#[test]
+fn pairs_that_were_expected_to_hold_are_found_again_where_a_body_is_struck() {
+    const SPEED: f64 = 8.0;
+    let (mut model, mut state) = build(Workload::S, 12, settings(Method::GaussSeidel, 400, 1e-8), 1e-3);
+    model.gravity = DVec3::ZERO;
+    model.laws.iter_mut().for_each(|law| law.friction = 0.0);
+    let (moving, walls): (Vec<usize>, Vec<usize>) = (0..model.n_bodies()).partition(|b| model.inv_mass[*b] > 0.0);
+    walls.iter().for_each(|b| state.position[*b] -= state.orientation[*b] * DVec3::Z * 10.0);
+    let r = workload::radius(Workload::S);
+    for (k, b) in moving.iter().enumerate() {
+        // A row of spheres a tenth of a radius apart, which the first meets after some steps.
+        let x = if k == 0 { -13.5 * r } else { 2.1 * r * (k as f64 - 6.0) };
+        state.position[*b] = DVec3::X * x;
+        state.velocity[*b] = if k == 0 { DVec3::X * SPEED } else { DVec3::ZERO };
+    }
+    let Some(mut own) = on_device(&model, &state) else { return };
+    let mut cpu = Simulation::new(model, state);
+    steps(&mut own, 60);
+    steps(&mut cpu, 60);
+    assert!(own.device_usage().unwrap().begun_again > 0);
+    assert!(apart(&own.state, &cpu.state) < 1e-5, "{} m", apart(&own.state, &cpu.state));
+    // Those that are struck go on with the first.
+    assert!(own.state.velocity[moving[6]].x > 0.05 * SPEED, "{:?}", own.state.velocity);
+}
+
 #[test]
 fn a_run_repeats_bit_for_bit_also_from_its_middle() {
     for method in [Method::Apgd, Method::GaussSeidel, Method::BarzilaiBorwein] {
