@@ -24,6 +24,7 @@ pub mod fixtures;
 mod force;
 mod gauss_seidel;
 mod given;
+mod holding;
 mod hulls;
 mod impacts;
 mod integrate;
@@ -68,11 +69,13 @@ use before::Before;
 use collision::Collision;
 use contact_solve::{ContactSolve, Submissions};
 use exact::Rounds;
-use gpu::{Commands, Device, Kernels, Prepared};
+use gpu::{Device, Kernels};
+use holding::Holding;
 use impacts::Impacts;
 use joints::Joints;
 use mechanism::Mechanism;
 use overlaps::Overlaps;
+use record::{Recorded, Solving};
 use rest::Rest;
 use rows::Summary;
 use std::sync::Arc;
@@ -109,46 +112,6 @@ pub struct Gpu {
     before: Before,
     /// What is expected of the pairs.
     holding: Holding,
-}
-
-/// Whether the pairs of a step are expected to be those of the last one.
-#[derive(Default)]
-struct Holding {
-    /// Number of steps, from the start of the last one on, for which they hold if bodies go on as they did.
-    lasts: f64,
-    /// Steps that are to pass before they are expected to hold again, after they did not.
-    waits: u32,
-    /// Whether the step was begun as if they hold.
-    is_held: bool,
-    /// Steps that were begun so although they did not.
-    n_failed: u64,
-}
-
-/// The recorded commands of a step.
-struct Recorded {
-    /// The stages up to the contacts with their starting point.
-    find: Commands,
-    /// The same for pairs that hold, where the device finds them.
-    held: Option<Commands>,
-    /// The one or, if so told, the other, encoded for the next step.
-    ahead: Option<(bool, Prepared)>,
-    /// What follows by the method, and by Gauss–Seidel where it may take over.
-    own: Solving,
-    landing: Option<Solving>,
-    /// In one of how many steps overlaps are recovered.
-    period: u64,
-}
-
-/// The recorded commands of a step from its contacts on.
-#[derive(Default)]
-struct Solving {
-    start: Commands,
-    solve: contact_solve::Recorded,
-    /// What the contacts do to the bodies that joints act on.
-    measure: Commands,
-    end: Commands,
-    /// The end of a step that recovers overlaps.
-    recovery: Commands,
 }
 
 /// What has become of the commands of a step.
@@ -547,13 +510,18 @@ impl Gpu {
             self.solve.problem.gamma.write(&self.device, impulses);
         }
         let is_landing = self.is_landing && self.solve.may_land();
+        let ahead = self.recorded.ahead_of_solve.take().filter(|ahead| ahead.0 == self.is_landing);
         let Solving { start, solve, measure, .. } = self.solving();
+        let (start, first) = match ahead {
+            Some((_, start, first)) => (start, first),
+            None => (start.prepare(&self.device), None),
+        };
         times.stages.push(start.submit(&self.device)?);
         if self.solve.asks(is_landing) && self.solve.has_undone(&self.device)? {
             self.is_landing = !is_landing;
             return Ok(Submitted::Again);
         }
-        let rounds = self.solve.submit(&self.device, (solve, is_landing), times)?;
+        let rounds = self.solve.submit(&self.device, (solve, is_landing), first, times)?;
         if self.mechanism.as_ref().is_some_and(Mechanism::has_limits) {
             times.stages.push(measure.submit(&self.device)?);
         }
@@ -574,8 +542,7 @@ impl Gpu {
         let Solving { end, recovery, .. } = self.solving();
         let end = if state.steps.is_multiple_of(self.recorded.period) { recovery } else { end };
         times.stages.push(end.submit(&self.device)?);
-        // While the device is at this step, the next one is encoded.
-        self.recorded.ahead = Some(self.recorded.prepare(&self.device, self.holding.is_likely(2.0)));
+        self.encode_ahead();
         Ok(Submitted::Done(rounds))
     }
 
@@ -584,38 +551,6 @@ impl Gpu {
         self.collision.make_room(&self.device, &self.kernels, needed)?;
         self.warm_start.make_room(&self.device, self.collision.columns().0.capacity())?;
         self.renew_solve(model, plan)
-    }
-}
-
-impl Recorded {
-    fn empty() -> Recorded {
-        Recorded { find: Commands::new(), held: None, ahead: None, own: Solving::default(), landing: None, period: 1 }
-    }
-
-    /// Encode the stages up to the contacts, for pairs that hold if it is likely and there are commands for these. Returns whether it is so.
-    fn prepare(&self, device: &Device, is_likely: bool) -> (bool, Prepared) {
-        let held = self.held.as_ref().filter(|_| is_likely);
-        (held.is_some(), held.unwrap_or(&self.find).prepare(device))
-    }
-}
-
-impl Holding {
-    /// Whether the pairs are likely to hold in the step that begins after this many: bodies do not go on quite as they did.
-    fn is_likely(&self, steps: f64) -> bool {
-        self.waits == 0 && self.lasts >= steps + 1.0
-    }
-
-    /// Take note of a step, at whose start the pairs held for this many.
-    fn pass(&mut self, lasts: f64) {
-        self.lasts = lasts;
-        self.waits = self.waits.saturating_sub(1);
-    }
-
-    /// Take note that they did not hold: the step is to be done again. So that this costs little, it takes a while until it may happen again.
-    fn fail(&mut self) {
-        /// Steps to wait.
-        const WAIT: u32 = 10;
-        *self = Holding { lasts: 0.0, waits: WAIT, is_held: false, n_failed: self.n_failed + 1 };
     }
 }
 
