@@ -47,6 +47,7 @@ mod rendering;
 mod rest;
 mod runs;
 mod sheets;
+mod sides;
 mod silence;
 mod sky;
 mod sleep;

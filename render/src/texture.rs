@@ -43,7 +43,7 @@ impl Wrap {
 }
 
 /// What `MakeTexture` and its kin make a texture of.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub enum Source {
     /// One image.
     Image(PathBuf, [Wrap; 2]),
@@ -188,12 +188,13 @@ impl Textures {
         Some(([w as f32, h as f32], first.channels.into()))
     }
 
-    /// Whether there are the files of a texture.
-    pub fn exists(&self, name: &str) -> bool {
-        match self.made.get(name) {
+    /// Whether there are the files of a texture; nothing if there are and they cannot be read.
+    pub fn exists(&self, name: &str) -> Option<bool> {
+        let is_there = match self.made.get(name) {
             Some(source) => source.missing(&self.folders).is_none(),
             None => find(Path::new(name), &self.folders).is_some(),
-        }
+        };
+        if is_there { self.get(name).ok().map(|_| true) } else { Some(false) }
     }
 
     /// What a texture was made as: `texture` or `environment`.
