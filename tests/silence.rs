@@ -4,7 +4,7 @@ use crate::cli::{Answer, scratch, scree};
 use crate::rendering::{ORTHO, render_with};
 
 /// What is said of a scene with shaders beside it.
-fn said(files: &[(&str, &str)], text: &str) -> Answer {
+pub fn said(files: &[(&str, &str)], text: &str) -> Answer {
     let work = scratch();
     for (name, text) in files {
         std::fs::write(work.path().join(name), text).unwrap();
@@ -286,97 +286,6 @@ fn images_that_textures_are_made_of_are_looked_for() {
     let asks = "surface t() { float x = 2; textureinfo(\"no.png\", \"exists\", x); Oi = 1; Ci = x; }";
     let answer = said(&[("t.sl", asks)], &format!("{head}WorldBegin Surface \"t\" Disk 0 .8 360\nWorldEnd\n"));
     assert!(!answer.errors().contains("warning"), "{}", answer.errors());
-}
-
-/// An archive that a file holds and nothing reads draws nothing: what is wrong in it is said all the same, and the image is made.
-#[test]
-fn what_is_wrong_in_an_archive_that_is_never_read_is_said_with_its_place() {
-    for (inside, expected) in [
-        ("Sphere 1 -1", "t.rib:3:1: expected radius, zmin, zmax and thetamax"),
-        ("\n Sphere 1 -1 1 360 \"Cs\" [1 0]", "t.rib:4:"),
-        ("Spher 1 -1 1 360", "t.rib:3:1: unknown request `Spher`"),
-        ("AttributeBegin Sphere 1 -1 1 360", "t.rib:3:1: this `AttributeBegin`"),
-        ("ReadArchive", "t.rib:3:1: expected a string"),
-        ("ArchiveBegin \"b\" Sphere ArchiveEnd Disk 0 1 360", "t.rib:3:18: expected radius"),
-        ("IfBegin \"1\" Disk 0 1 IfEnd", "t.rib:3:13: expected height"),
-        (
-            "Sphere 1 -1 1 360 ReadArchive \"not there.rib\" Procedural \"RunProgram\" [\"none\" \"\"] [-1 1 -1 1 -1 1]",
-            "",
-        ),
-        ("ArchiveBegin \"b\" Sphere 1 -1 1 360 ArchiveEnd ReadArchive \"b\"", ""),
-    ] {
-        let scene = |name: &str| {
-            format!(
-                "Display \"t.png\" \"png\" \"rgb\" Format 8 8 1\nArchiveBegin \"a\"\n{inside}\nArchiveEnd ArchiveBegin \"c\" Disk 0 .5 360 ArchiveEnd
-                WorldBegin ReadArchive \"{name}\"\nWorldEnd\n"
-            )
-        };
-        let answer = said(&[], &scene("c"));
-        answer.ok();
-        let errors = answer.errors();
-        let is_said = errors.contains("; the archive `a`, where that stands, is never read");
-        assert!(is_said != expected.is_empty() && errors.contains(expected), "{inside}: {errors}");
-        // One that replaces it hides nothing, and one that is read is checked as it is read.
-        let errors = said(
-            &[],
-            &scene("c")
-                .replace("ArchiveBegin \"c\"", "ArchiveBegin \"a\"")
-                .replace("ReadArchive \"c\"", "ReadArchive \"a\""),
-        )
-        .errors();
-        assert_eq!(errors.contains("is never read"), !expected.is_empty(), "{inside}: {errors}");
-    }
-    let read = said(&[], "WorldBegin ArchiveBegin \"a\" Spher 1 ArchiveEnd ReadArchive \"a\" WorldEnd");
-    assert!(!read.errors().contains("never read"), "{}", read.errors());
-}
-
-/// An image whose file was cut off after a sound header, as a copy that did not end leaves it.
-#[test]
-fn a_truncated_image_is_said_where_a_texture_is_made_of_it_or_asked_about() {
-    let work = scratch();
-    let at = |name: &str| work.path().join(name).to_str().unwrap().to_string();
-    let noise = |x: u32, y: u32| (x * 7919 + y * 104_729).wrapping_mul(0x9e37_79b9).to_be_bytes()[0];
-    let bytes = image::RgbImage::from_fn(40, 30, |x, y| image::Rgb([noise(x, y), noise(y, x), noise(x + 50, y)]));
-    let floats = image::Rgb32FImage::from_fn(40, 30, |x, y| image::Rgb(bytes.get_pixel(x, y).0.map(f32::from)));
-    bytes.save(at("i.png")).unwrap();
-    bytes.save(at("i.tif")).unwrap();
-    floats.save(at("i.exr")).unwrap();
-    let asks = "surface asks(string map = \"\";) { float x = 0.5; float y = textureinfo(map, \"exists\", x); Oi = 1; Ci = color(x, y, 0); }";
-    for file in ["i.png", "i.tif", "i.exr"] {
-        let whole = std::fs::read(at(file)).unwrap();
-        for (keep, is_whole) in [(whole.len(), true), (whole.len() - 20, false), (whole.len() * 2 / 3, false)] {
-            let [exists, shown] =
-                [format!("Surface \"asks\" \"string map\" \"{file}\""), "Surface \"constant\"".into()];
-            let made = format!("MakeTexture \"{file}\" \"a\" \"black\" \"black\" \"box\" 1 1\n");
-            for (request, surface, place) in [
-                (made.clone(), &shown, "t.rib:3:1: texture `a`"),
-                ("\n".into(), &exists, "asks.sl:1:59: the shader `asks`: texture `i."),
-            ] {
-                let head = "Display \"t.exr\" \"exr\" \"rgb\"\nFormat 8 8 1 Translate 0 0 1\n";
-                let scene = format!("{head}{request}WorldBegin {surface} Disk 0 9 360\nWorldEnd\n");
-                std::fs::write(at("asks.sl"), asks).unwrap();
-                std::fs::write(at("t.rib"), scene).unwrap();
-                std::fs::write(at(file), &whole[..keep]).unwrap();
-                let answer = scree(&["render", &at("t.rib"), "-o", &at("")]);
-                answer.ok();
-                let errors = answer.errors();
-                let is_said = errors.contains(place) && errors.contains("cannot be read and is black");
-                assert_eq!(is_said, !is_whole, "{keep} bytes of {file}: {request}{surface}: {errors}");
-                if surface == &exists {
-                    let pixel = image::open(at("t.exr")).unwrap().to_rgb32f().get_pixel(4, 4).0;
-                    assert_eq!(pixel[..2], if is_whole { [1.0, 1.0] } else { [0.5, 0.0] });
-                }
-            }
-            let made = format!("MakeTexture \"{file}\" \"a\" \"black\" \"black\" \"box\" 1 1\nWorldBegin\nWorldEnd\n");
-            std::fs::write(at("t.rib"), made).unwrap();
-            std::fs::write(at(file), &whole[..keep]).unwrap();
-            let answer = scree(&["check", &at("t.rib")]);
-            let text = answer.errors() + &answer.ok();
-            let is_said = text.contains("t.rib:1:1: texture `a` cannot be read");
-            assert_eq!(is_said, !is_whole, "{keep} bytes of {file}: {text}");
-            std::fs::write(at(file), &whole).unwrap();
-        }
-    }
 }
 
 #[test]

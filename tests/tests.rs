@@ -62,4 +62,5 @@ mod upright;
 mod values;
 mod waiting;
 mod warm_start;
+mod warnings;
 mod watch;

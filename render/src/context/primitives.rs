@@ -284,6 +284,11 @@ impl Context {
             None => positions(&params)?.into_iter().map(|p| p.extend(1.0)).collect(),
         };
         let mut patches = nurbs(&points, &u, &v)?;
+        if let Some(k) = points.iter().position(|p| p.w <= 0.0) {
+            let weight = points[k].w;
+            self.scene
+                .warn(format!("point {k} of \"Pw\" has the weight {weight}: the patch may reach beyond all bounds"));
+        }
         // Texture coordinates go from 0 to 1 over the patch (RISpec 5.3).
         for patch in &mut patches {
             let unit = |x: f32, r: [f32; 2]| (x - r[0]) / (r[1] - r[0]);
@@ -429,6 +434,10 @@ impl Context {
         let mut names = names_of(&whole);
         columns.iter().chain(smooth.iter().map(|p| &p.decl)).for_each(|declared| note_varying(&mut names, declared));
         let parts = mesh.patches(levels);
+        if parts.is_empty() && n_faces > 0 && !tags.names.iter().any(|name| name == "interpolateboundary") {
+            let message = "a subdivision mesh whose faces all touch its boundary is not seen without the tag `interpolateboundary`";
+            self.scene.warn(message.into());
+        }
         self.scene.n_subdivided += parts.len();
         let mut patches = Vec::with_capacity(parts.len());
         for part in parts {
