@@ -183,3 +183,38 @@ fn a_truncated_image_is_said_where_a_texture_is_made_of_it_or_asked_about() {
         }
     }
 }
+
+/// RISpec 6.3: the calls of a motion block differ in their numbers alone. A polygon of other vertices is another one.
+#[test]
+fn polygons_of_a_motion_block_have_as_many_vertices() {
+    let three = "-1 -1 0 1 -1 0 1 1 0";
+    let four = "-1 -1 0 1 -1 0 1 1 0 -1 1 0";
+    let mesh = |n: usize, points: &str| {
+        let corners: String = (0..n).map(|k| format!("{k} ")).collect();
+        format!("PointsPolygons [{n}] [{corners}] \"P\" [{points}]")
+    };
+    let polygon = |points: &str| format!("Polygon \"P\" [{points}]");
+    for (from, to, is_said) in [
+        (polygon(three), polygon(four), true),
+        (polygon(four), polygon(three), true),
+        (polygon(four), polygon(four), false),
+        (mesh(3, four), mesh(4, four), true),
+        (mesh(4, four), mesh(4, four), false),
+    ] {
+        let world = format!("Surface \"constant\"\n MotionBegin [0 1] {from} {to} MotionEnd");
+        let errors = said(
+            &[],
+            &format!("Display \"t.png\" \"png\" \"rgb\"\nShutter 0 1 {ORTHO}\nWorldBegin\n{world}\nWorldEnd\n"),
+        )
+        .errors();
+        assert_eq!(errors.contains("are cut differently: the first alone is drawn"), is_said, "{world}: {errors}");
+    }
+}
+
+/// A shader of one's own that does not compile is one's own fault, also where nobody names it.
+#[test]
+fn a_default_surface_that_does_not_compile_is_a_fault_of_the_file() {
+    let broken = [("defaultsurface.sl", "surface defaultsurface() { Ci = nothing; }")];
+    let errors = said(&broken, "WorldBegin Sphere 1 -1 1 360 WorldEnd").fails(3);
+    assert!(errors.contains("defaultsurface.sl:1:33: unknown variable `nothing`"), "{errors}");
+}

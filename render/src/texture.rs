@@ -374,7 +374,17 @@ impl Texture {
         room: usize,
         cache: &Arc<Cache>,
     ) -> Result<Texture, String> {
-        let image = guard::read_image(path)?;
+        let no_room = |e: std::io::Error| format!("no room for its tiles: {e}");
+        let image = match guard::read_image(path) {
+            Ok(image) => image,
+            // Depths and heights are of one channel, which may be of floats.
+            Err(why) => {
+                let Some(gray) = guard::read_gray(path)? else { return Err(why) };
+                let texels = Texels::Floats(gray.values.iter().map(|x| [*x, *x, *x, 1.0]).collect());
+                let levels = Levels::new(gray.width, gray.height, texels, room, cache).map_err(no_room)?;
+                return Ok(Texture { levels, wrap, channels: 1 });
+            }
+        };
         let (w, h) = (image.width() as usize, image.height() as usize);
         let channels = image.color().channel_count();
         use image::DynamicImage::{ImageLuma8, ImageLumaA8, ImageRgb8, ImageRgb32F, ImageRgba8, ImageRgba32F};
@@ -390,7 +400,7 @@ impl Texture {
                 Texels::Floats(image.into_rgba32f().pixels().map(|p| own(p.0)).collect())
             }
         };
-        let levels = Levels::new(w, h, texels, room, cache).map_err(|e| format!("no room for its tiles: {e}"))?;
+        let levels = Levels::new(w, h, texels, room, cache).map_err(no_room)?;
         Ok(Texture { levels, wrap, channels })
     }
 

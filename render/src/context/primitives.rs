@@ -155,9 +155,10 @@ impl Context {
     ) -> Result<Vec<Patch>, Fail> {
         let sizes = || loops.iter().map(Vec::len);
         let known = self.motion.as_ref().filter(|block| !block.calls.is_empty());
-        let known = known.and_then(|block| block.cuts.get(face)).filter(|cut| sizes().eq(cut.loops.iter().copied()));
-        if let Some(cut) = known {
-            return polygon_patches(loops, params, [face, first], &cut.quads);
+        if let Some(cut) = known.and_then(|block| block.cuts.get(face)) {
+            // One of other vertices is another polygon: that the patches are not as many tells it.
+            let quads = if sizes().eq(cut.loops.iter().copied()) { &cut.quads[..] } else { &[] };
+            return polygon_patches(loops, params, [face, first], quads);
         }
         let Cut { quads, crosses } = polygon_cut(loops, params)?;
         let n: usize = sizes().sum();
