@@ -130,7 +130,7 @@ fn check_metadata(path: &Path, said: &mut Said) -> Outcome {
 /// Check the first image of a job up to its rendering.
 fn check_image(job: &ImageJob, said: &mut Said) -> Outcome {
     let frame = job.frames[0];
-    let mut context = Context::new(job.files.clone()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
+    let mut context = Context::new(job.files.clone()).map_err(|f| Failure::new(Exit::Input, f.message))?;
     context.dry = true;
     let image = job.image(frame);
     context.image = Some(image.to_string_lossy().into());
@@ -151,7 +151,7 @@ fn check_scene(path: &Path, said: &mut Said) -> Outcome {
     let rib = frame::read_bytes(FaultKind::Input, path)?;
     let folder = path.parent().unwrap_or(Path::new("."));
     let files = Files { programs: Permission::PassOver, ..library::files(folder) };
-    let mut context = Context::new(files.clone()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
+    let mut context = Context::new(files.clone()).map_err(|f| Failure::new(Exit::Input, f.message))?;
     context.dry = true;
     reader::read(path, &rib, &files, &mut context, &mut |_, directive| emit::take_alone(directive).map(|_| None))?;
     said.warnings.extend(context.warnings().iter().map(|w| w.to_string()));

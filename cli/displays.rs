@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 /// A renderer that finds what scenes name by a search path.
 pub fn context(files: &Files) -> Outcome<Context> {
-    Context::new(files.clone()).map_err(|f| Failure::new(Exit::Fault, f.message))
+    Context::new(files.clone()).map_err(|f| Failure::new(Exit::Input, f.message))
 }
 
 /// The file that is written of an image: its own, or that of a shard.

@@ -10,6 +10,7 @@ macro_rules! eprintln {
     ($($part:tt)*) => {{
         use std::io::Write as _;
         let text = format!($($part)*);
+        let text = guard::text::message(&text);
         let text = guard::text::terminal(&text);
         let _ = writeln!(std::io::stderr(), "{}", crate::print::painted(&text, crate::print::has_colors()));
     }};

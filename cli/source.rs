@@ -78,7 +78,7 @@ pub fn metadata_of_run(folder: &Path) -> Outcome<(Binding, Source)> {
 /// Check that scene, camera and lights of a binding exist, and that its shaders exist, compile and have the parameters given.
 pub fn check_library(binding: &Binding) -> Outcome {
     let files = binding.files(library::files(&binding.folder()));
-    let mut context = Context::new(files.clone()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
+    let mut context = Context::new(files.clone()).map_err(|f| Failure::new(Exit::Input, f.message))?;
     let camera = match &binding.camera {
         // A moving camera has a file for each frame, which is looked for when the frame is rendered.
         Some(Camera::File(file)) if !file.contains("{frame") => Some(file),

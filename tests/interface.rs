@@ -528,3 +528,33 @@ fn frames_neither_begin_nor_end_within_worlds_or_frames() {
         assert!(answer.fails(3).contains(expected), "{text}: {}", answer.errors());
     }
 }
+
+#[test]
+fn images_of_one_channel_of_floats_are_textures() {
+    // A sphere of radius ½ whose middle is 5 before the eye is 4.5 away there; a depth beyond the near plane, written as floats.
+    let work = scratch();
+    let at = |name: &str| work.path().join(name).to_str().unwrap().to_string();
+    let depth = ["exr", "tif"]
+        .map(|kind| format!("Display \"+z.{kind}\" \"{}\" \"z\"\n", if kind == "tif" { "tiff" } else { kind }));
+    let scene = |displays: &str, world: &str| {
+        format!("Display \"t.exr\" \"exr\" \"rgb\"\n{displays}{ORTHO}\nWorldBegin\n{world}\nWorldEnd\n")
+    };
+    let draw = |displays: &str, world: &str| {
+        std::fs::write(at("t.rib"), scene(displays, world)).unwrap();
+        let answer = scree(&["render", &at("t.rib"), "-o", &at("")]);
+        answer.ok();
+        assert!(!answer.errors().contains("warning"), "{}", answer.errors());
+    };
+    draw(&depth.concat(), "Surface \"constant\" Sphere .5 -.5 .5 360");
+    let shader = "surface look(string map = \"\";) { float n = 0; textureinfo(map, \"channels\", n);
+        Oi = 1; Ci = color(float texture(map[0], 0.5, 0.5), float texture(map[1], 0.5, 0.5, \"fill\", 7), n); }";
+    std::fs::write(at("look.sl"), shader).unwrap();
+    for name in ["z.exr", "z.tif"] {
+        let made = format!("MakeTexture \"{name}\" \"made\" \"clamp\" \"clamp\" \"box\" 1 1\n");
+        for (made, map) in [("", name), (made.as_str(), "made")] {
+            draw(made, &format!("Surface \"look\" \"string map\" \"{map}\" Disk 0 9 360"));
+            let [depth, fill, channels] = image::open(at("t.exr")).unwrap().to_rgb32f().get_pixel(40, 40).0;
+            assert!((depth - 4.5).abs() < 1e-2 && fill == 7.0 && channels == 1.0, "{map}: {depth} {fill} {channels}");
+        }
+    }
+}

@@ -4,7 +4,7 @@ use crate::cli::{Answer, scratch, scree};
 use crate::rendering::{ORTHO, render_with};
 
 /// What is said of a scene with shaders beside it.
-fn said(files: &[(&str, &str)], text: &str) -> Answer {
+pub fn said(files: &[(&str, &str)], text: &str) -> Answer {
     let work = scratch();
     for (name, text) in files {
         std::fs::write(work.path().join(name), text).unwrap();

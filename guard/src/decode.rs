@@ -1,6 +1,7 @@
 //! Images of others, read whole within the memory that reading may take.
 
 use crate::{files, memory};
+use exr::prelude::{MetaData, ReadChannels, ReadLayers, read};
 use image::{DynamicImage, ImageFormat, ImageReader, Limits};
 use std::io::{BufReader, Read, Seek};
 use std::path::Path;
@@ -33,7 +34,76 @@ fn reader_of(path: &Path, room: u64) -> Result<ImageReader<BufReader<std::fs::Fi
 
 /// Check that an image file begins as one of any kind that is read: its header, and none of its pixels. An error as [`read_image`]'s.
 pub fn check_image(path: &Path) -> Result<(), String> {
-    reader_of(path, (memory::room() / 4).min(LARGEST))?.into_dimensions().map(|_| ()).map_err(|e| e.to_string())
+    let begins = reader_of(path, (memory::room() / 4).min(LARGEST))?.into_dimensions().map(|_| ());
+    begins.or_else(|e| if matches!(read_gray(path), Ok(Some(_))) { Ok(()) } else { Err(e.to_string()) })
+}
+
+/// An image of one channel of floats, as depths and heights are written.
+pub struct Gray {
+    /// Pixels along a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Row by row, from the top; `[width height]`.
+    pub values: Vec<f32>,
+}
+
+/// Read an image file of one channel of floats, EXR or TIFF; nothing if it is another. An error as [`read_image`]'s.
+pub fn read_gray(path: &Path) -> Result<Option<Gray>, String> {
+    let room = (memory::room() / 4).min(LARGEST);
+    let mut file = BufReader::new(files::open(path).map_err(|e| e.to_string())?);
+    let mut magic = [0; 4];
+    file.read_exact(&mut magic).and_then(|_| file.rewind()).map_err(|e| e.to_string())?;
+    let gray = match &magic {
+        [0x76, 0x2f, 0x31, 0x01] => gray_exr(file, room)?,
+        b"II*\0" | b"MM\0*" | b"II+\0" | b"MM\0+" => gray_tiff(file, room)?,
+        _ => None,
+    };
+    Ok(gray.filter(|gray| gray.values.len() == gray.width.saturating_mul(gray.height)))
+}
+
+/// Whether so many pixels of floats, and what they are decoded from, find room.
+fn fits(width: usize, height: usize, room: u64) -> Result<(), String> {
+    let bytes = (width as u64).saturating_mul(height as u64).saturating_mul(16);
+    if bytes <= room { Ok(()) } else { Err(format!("has {width}×{height} pixels: {}", memory::Full)) }
+}
+
+fn gray_exr(mut file: BufReader<std::fs::File>, room: u64) -> Result<Option<Gray>, String> {
+    check_tiles(&mut file, room)?;
+    let head = MetaData::read_from_buffered(&mut file, false).map_err(|e| e.to_string())?;
+    let [header] = &head.headers[..] else { return Ok(None) };
+    if header.channels.list.len() != 1 || header.deep {
+        return Ok(None);
+    }
+    let (width, height) = (header.layer_size.width(), header.layer_size.height());
+    fits(width, height, room)?;
+    file.rewind().map_err(|e| e.to_string())?;
+    let layers = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
+    let image = layers.from_buffered(file).map_err(|e| e.to_string())?;
+    let values =
+        image.layer_data.channel_data.list.first().map(|channel| channel.sample_data.values_as_f32().collect());
+    Ok(values.map(|values| Gray { width, height, values }))
+}
+
+fn gray_tiff(file: BufReader<std::fs::File>, room: u64) -> Result<Option<Gray>, String> {
+    use tiff::decoder::{Decoder, DecodingResult, Limits};
+    let mut limits = Limits::default();
+    limits.decoding_buffer_size = room as usize;
+    limits.intermediate_buffer_size = room as usize;
+    let mut tiff = Decoder::new(file).map_err(|e| e.to_string())?.with_limits(limits);
+    let (width, height) = tiff.dimensions().map_err(|e| e.to_string())?;
+    let (width, height) = (width as usize, height as usize);
+    if !matches!(tiff.colortype(), Ok(tiff::ColorType::Gray(16 | 32 | 64))) {
+        return Ok(None);
+    }
+    fits(width, height, room)?;
+    let values = match tiff.read_image().map_err(|e| e.to_string())? {
+        DecodingResult::F16(values) => values.into_iter().map(|x| x.to_f32()).collect(),
+        DecodingResult::F32(values) => values,
+        DecodingResult::F64(values) => values.into_iter().map(|x| x as f32).collect(),
+        _ => return Ok(None),
+    };
+    Ok(Some(Gray { width, height, values }))
 }
 
 /// Check the tiles of an EXR file: the decoder takes memory for whole ones, however small the image is.

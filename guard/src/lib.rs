@@ -10,7 +10,7 @@ mod files;
 pub mod memory;
 pub mod text;
 
-pub use decode::{check_image, read_image};
+pub use decode::{Gray, check_image, read_gray, read_image};
 pub use files::{
     allow, confine, give, is_one_of, leads_out, look_for, note, open, permit, place_of, read, read_stdin,
     read_to_string, seen, trace, was_seen,

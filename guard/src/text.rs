@@ -26,6 +26,24 @@ pub fn terminal(text: &str) -> Cow<'_, str> {
     Cow::Owned(out)
 }
 
+/// The most bytes of a word of a message: more than any path has.
+const LONGEST_WORD: usize = 8192;
+
+/// A message in which words that are longer than any name or path are cut: their begin and their end alone are there, and how much is not.
+pub fn message(text: &str) -> Cow<'_, str> {
+    /// Bytes that are kept of the begin, and of the end.
+    const KEPT: [usize; 2] = [96, 32];
+    if !text.split_whitespace().any(|word| word.len() > LONGEST_WORD) {
+        return Cow::Borrowed(text);
+    }
+    let cut = |word: &str| {
+        let [begin, end] = [word.floor_char_boundary(KEPT[0]), word.ceil_char_boundary(word.len() - KEPT[1])];
+        format!("{}…({} bytes)…{}", &word[..begin], end - begin, &word[end..])
+    };
+    let words = text.split_inclusive(char::is_whitespace);
+    Cow::Owned(words.map(|word| if word.len() > LONGEST_WORD { cut(word) } else { word.into() }).collect())
+}
+
 /// Text for one line, as a comment of a file: all of it stays in the line.
 pub fn line(text: &str) -> String {
     terminal(text)
@@ -72,6 +90,19 @@ pub fn file_name(text: &str, others: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn words_that_are_no_names_are_cut_in_messages() {
+        let long = format!("unknown request `é{}´`, expected\ta `name`", "x".repeat(1_000_000));
+        let cut = message(&long);
+        assert!(
+            cut.len() < 300 && cut.starts_with("unknown request `éxxx") && cut.ends_with("´`, expected\ta `name`"),
+            "{cut}"
+        );
+        assert!(cut.contains("…(9998"), "{cut}");
+        let path = format!("no file `{}`", "p".repeat(4096));
+        assert_eq!(message(&path), path);
+    }
 
     #[test]
     fn text_only_stands_there() {

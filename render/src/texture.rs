@@ -43,7 +43,7 @@ impl Wrap {
 }
 
 /// What `MakeTexture` and its kin make a texture of.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub enum Source {
     /// One image.
     Image(PathBuf, [Wrap; 2]),
@@ -188,12 +188,13 @@ impl Textures {
         Some(([w as f32, h as f32], first.channels.into()))
     }
 
-    /// Whether there are the files of a texture.
-    pub fn exists(&self, name: &str) -> bool {
-        match self.made.get(name) {
+    /// Whether there are the files of a texture; nothing if there are and they cannot be read.
+    pub fn exists(&self, name: &str) -> Option<bool> {
+        let is_there = match self.made.get(name) {
             Some(source) => source.missing(&self.folders).is_none(),
             None => find(Path::new(name), &self.folders).is_some(),
-        }
+        };
+        if is_there { self.get(name).ok().map(|_| true) } else { Some(false) }
     }
 
     /// What a texture was made as: `texture` or `environment`.
@@ -373,7 +374,17 @@ impl Texture {
         room: usize,
         cache: &Arc<Cache>,
     ) -> Result<Texture, String> {
-        let image = guard::read_image(path)?;
+        let no_room = |e: std::io::Error| format!("no room for its tiles: {e}");
+        let image = match guard::read_image(path) {
+            Ok(image) => image,
+            // Depths and heights are of one channel, which may be of floats.
+            Err(why) => {
+                let Some(gray) = guard::read_gray(path)? else { return Err(why) };
+                let texels = Texels::Floats(gray.values.iter().map(|x| [*x, *x, *x, 1.0]).collect());
+                let levels = Levels::new(gray.width, gray.height, texels, room, cache).map_err(no_room)?;
+                return Ok(Texture { levels, wrap, channels: 1 });
+            }
+        };
         let (w, h) = (image.width() as usize, image.height() as usize);
         let channels = image.color().channel_count();
         use image::DynamicImage::{ImageLuma8, ImageLumaA8, ImageRgb8, ImageRgb32F, ImageRgba8, ImageRgba32F};
@@ -389,7 +400,7 @@ impl Texture {
                 Texels::Floats(image.into_rgba32f().pixels().map(|p| own(p.0)).collect())
             }
         };
-        let levels = Levels::new(w, h, texels, room, cache).map_err(|e| format!("no room for its tiles: {e}"))?;
+        let levels = Levels::new(w, h, texels, room, cache).map_err(no_room)?;
         Ok(Texture { levels, wrap, channels })
     }
 

@@ -5,6 +5,8 @@
 mod caps;
 #[path = "backends/layers.rs"]
 mod layers;
+#[path = "backends/sides.rs"]
+mod sides;
 #[path = "backends/table.rs"]
 mod table;
 

@@ -22,6 +22,7 @@ pub mod requests;
 mod ri;
 mod standing;
 mod table;
+mod unread;
 pub mod writer;
 
 pub use instances::{InstanceShape, Instances};

@@ -7,9 +7,11 @@ use crate::lexer::Token;
 use crate::programs::{PATIENCE, Programs};
 use crate::requests::Request;
 use crate::ri::{Fail, Ri};
+use crate::standing::Standing;
+use crate::unread::Nobody;
 use guard::memory::Bytes;
 use std::borrow::Cow;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -74,13 +76,29 @@ pub fn read(
     let bytes = unpacked.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&unpacked);
     let arguments = Arguments::new(path, bytes, &mut known);
     let mut shared = Shared { read: bytes.len() as u64, ..Default::default() };
-    let (shared, depth, branches) = (&mut shared, 0, vec![]);
-    let mut reader = Reader { path, bytes, line: 1, before: &[], arguments, shared, files, depth, branches };
+    let (depth, branches, checks) = (0, vec![], false);
+    let shared = &mut shared;
+    let mut reader = Reader { path, bytes, line: 1, before: &[], arguments, shared, files, depth, branches, checks };
     if bytes.trim_ascii().is_empty() {
         return Err(*reader.error((1, 1), "is empty, expected RIB requests"));
     }
     reader.run(ri, on_directive).map_err(|e| *e)?;
+    let (unread, codes) = (std::mem::take(&mut reader.shared.unread), reader.arguments.lexer.codes.clone());
     known.standing.end().into_iter().for_each(|warning| ri.warn(warning));
+    for (name, own) in unread.into_values().flatten() {
+        known.standing = Standing::default();
+        let mut nobody = Nobody::default();
+        let mut arguments = Arguments::new(&own.path, &own.bytes, &mut known);
+        arguments.lexer.codes = codes.clone();
+        arguments.lexer.begin_at(own.begins);
+        let (path, bytes, line, before) = (own.path.as_path(), &own.bytes[..], own.begins.0, &own.before[..]);
+        let (branches, checks) = (vec![], true);
+        let shared = &mut Shared::default();
+        let mut reader = Reader { path, bytes, line, before, arguments, shared, files, depth, branches, checks };
+        let found = reader.run(&mut nobody, &mut |_, _| Ok(None)).err().map(|e| e.to_string());
+        let says = nobody.warnings.into_iter().chain(found).chain(known.standing.end());
+        says.for_each(|what| ri.warn(format!("{what}; the archive `{name}`, where that stands, is never read")));
+    }
     Ok(())
 }
 
@@ -111,6 +129,8 @@ fn unpack(rib: &[u8]) -> Result<Cow<'_, [u8]>, String> {
 struct Shared {
     /// Archives that the stream itself holds.
     archives: HashMap<String, Arc<Inline>>,
+    /// Those of them, by where they begin, that have not been read: their names, and they themselves.
+    unread: BTreeMap<(PathBuf, Spot), Option<(String, Arc<Inline>)>>,
     /// Files of archives that were read.
     files: HashSet<PathBuf>,
     /// Bytes of the stream, and of files of archives that were read for the first time.
@@ -163,6 +183,8 @@ struct Reader<'a> {
     files: &'a Files,
     depth: usize,
     branches: Vec<Branch>,
+    /// It is only found what is wrong: no other archive is read, no program is asked.
+    checks: bool,
 }
 
 impl<'a> Reader<'a> {
@@ -237,6 +259,9 @@ impl<'a> Reader<'a> {
         let done = match request {
             _ if !is_made => self.arguments.pass_over().map_err(|f| self.error(place, f.message)),
             Ok(Request::ReadArchive) => self.read_archive(ri, on_directive, place),
+            // Nested in one that is not read, it is not read either.
+            Ok(Request::ArchiveBegin) if self.checks => self.archive_name(place).map(|_| ()),
+            Ok(Request::ArchiveEnd) if self.checks => Ok(()),
             Ok(Request::ArchiveBegin) => self.inline_archive(place),
             Ok(Request::Procedural) => self.procedural(ri, on_directive, place),
             Ok(conditional) if conditional.is_condition() => {
@@ -298,9 +323,18 @@ impl<'a> Reader<'a> {
         on_directive: &mut Directive<'_>,
         place: Spot,
     ) -> Result<(), Box<RibError>> {
+        let name = self.archive_name(place)?;
+        if self.checks {
+            return Ok(());
+        }
+        self.archive(&name, ri, on_directive, place)
+    }
+
+    /// The name of an archive, and what may stand behind it.
+    fn archive_name(&mut self, place: Spot) -> Result<String, Box<RibError>> {
         let name = self.arguments.text().map_err(|f| self.error(place, f.message))?;
         self.arguments.params().map_err(|f| self.error(place, f.message))?;
-        self.archive(&name, ri, on_directive, place)
+        Ok(name)
     }
 
     fn archive(
@@ -317,6 +351,7 @@ impl<'a> Reader<'a> {
             ));
         }
         if let Some(own) = self.shared.archives.get(name).cloned() {
+            self.shared.unread.insert((own.path.clone(), own.begins), None);
             self.repeat(own.bytes.len(), place)?;
             return self
                 .counted(|reader| reader.nested(&own.path, (own.begins, &own.before), &own.bytes, ri, on_directive));
@@ -390,14 +425,13 @@ impl<'a> Reader<'a> {
         arguments.lexer.codes = codes;
         arguments.lexer.begin_at(begins);
         let (shared, files, depth) = (&mut *self.shared, self.files, self.depth + 1);
-        let (line, branches) = (begins.0, vec![]);
-        Reader { path, bytes, line, before, arguments, shared, files, depth, branches }.run(ri, on_directive)
+        let (line, branches, checks) = (begins.0, vec![], self.checks);
+        Reader { path, bytes, line, before, arguments, shared, files, depth, branches, checks }.run(ri, on_directive)
     }
 
     /// Keep what stands between `ArchiveBegin` and its `ArchiveEnd`.
     fn inline_archive(&mut self, place: Spot) -> Result<(), Box<RibError>> {
-        let name = self.arguments.text().map_err(|f| self.error(place, f.message))?;
-        self.arguments.params().map_err(|f| self.error(place, f.message))?;
+        let name = self.archive_name(place)?;
         let (begins, start) = self.arguments.next_start();
         let column = begins.1 - 1;
         let own = &self.bytes[start.saturating_sub(column)..start];
@@ -416,7 +450,10 @@ impl<'a> Reader<'a> {
                     if depth == 0 {
                         let (path, bytes) = (self.path.into(), self.bytes[start..end].into());
                         let inline = Inline { path, begins, before, bytes };
-                        self.shared.archives.insert(name, Arc::new(inline));
+                        let inline = Arc::new(inline);
+                        let place = (inline.path.clone(), inline.begins);
+                        self.shared.unread.entry(place).or_insert(Some((name.clone(), inline.clone())));
+                        self.shared.archives.insert(name, inline);
                         return Ok(());
                     }
                 }
@@ -456,6 +493,9 @@ impl<'a> Reader<'a> {
             Ok((from.text()?, from.texts()?, from.numbers("a bound")?))
         };
         let (kind, args, bound) = read(&mut self.arguments).map_err(|f| self.error(place, f.message))?;
+        if self.checks {
+            return Ok(());
+        }
         match (kind.as_str(), args.as_slice()) {
             ("DelayedReadArchive", [name]) => self.archive(name, ri, on_directive, place),
             ("RunProgram", [program, request]) => {

@@ -138,6 +138,11 @@ impl Request {
 
 /// The known name nearest to one that is not, if it is near enough to be a slip.
 pub(crate) fn nearest(name: &str) -> Option<&'static str> {
+    /// The most bytes of a name that is compared: none of ours is nearly as long.
+    const MAX: usize = 64;
+    if name.len() > MAX {
+        return None;
+    }
     let distance = |known: &&str| strsim::damerau_levenshtein(known, name);
     ROWS.iter().map(|row| row.name).min_by_key(distance).filter(|known| distance(known) <= 3)
 }

@@ -219,6 +219,11 @@ impl Ri for Context {
     fn crop_window(&mut self, x_min: f32, x_max: f32, y_min: f32, y_max: f32) -> RiResult {
         positive(x_max - x_min, "the crop window's width")?;
         positive(y_max - y_min, "the crop window's height")?;
+        if [x_min, x_max, y_min, y_max].iter().any(|x| !(0.0..=1.0).contains(x)) {
+            let crop = format!("{x_min} {x_max} {y_min} {y_max}");
+            self.scene
+                .warn(format!("the crop window {crop} reaches beyond the image, which is 0 to 1: it is cut to that"));
+        }
         self.options.crop = [x_min, x_max, y_min, y_max];
         Ok(())
     }
@@ -437,7 +442,11 @@ impl Ri for Context {
     }
     fn trim_curve(&mut self, curves: TrimCurves) -> RiResult {
         let outside = self.geometry.trims_inside;
-        self.geometry.trim = trim(&curves)?.map(|trim| Arc::new(Trim { outside, ..trim }));
+        let (trim, open) = trim(&curves)?;
+        if let Some(k) = open {
+            self.scene.warn(format!("loop {k} of `TrimCurve` is not closed: its ends are joined by straight lines"));
+        }
+        self.geometry.trim = trim.map(|trim| Arc::new(Trim { outside, ..trim }));
         Ok(())
     }
     fn cone(&mut self, height: f32, radius: f32, sweep: f32, params: Params) -> RiResult {

@@ -348,13 +348,18 @@ impl Context {
         self.made.insert(name.into(), source);
     }
 
-    /// Say which textures were made of files that there are not, or that are no images, whether or not they are used.
+    /// Say which textures were made of files that there are not, or that are no whole images, whether or not they are used: those of the world
+    /// are read.
     pub(super) fn say_missing_images(&mut self) {
         for (name, source, spot) in self.sought.drain(..) {
             if let Some(path) = source.missing(&self.files.folders) {
                 let path = path.display();
                 let message = format!("the texture `{name}` is black: there is no image `{path}` to make it of");
                 self.scene.warnings.add_at(spot, message);
+                continue;
+            }
+            if self.made.get(&name) == Some(&source) {
+                self.scene.textures.fault(&name).into_iter().for_each(|why| self.scene.warnings.add_at(spot, why));
             } else if let Some((path, why)) = source.unreadable(&self.files.folders) {
                 let message = format!("texture `{name}` cannot be read and is black: `{}`: {why}", path.display());
                 self.scene.warnings.add_at(spot, message);

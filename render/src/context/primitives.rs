@@ -155,9 +155,10 @@ impl Context {
     ) -> Result<Vec<Patch>, Fail> {
         let sizes = || loops.iter().map(Vec::len);
         let known = self.motion.as_ref().filter(|block| !block.calls.is_empty());
-        let known = known.and_then(|block| block.cuts.get(face)).filter(|cut| sizes().eq(cut.loops.iter().copied()));
-        if let Some(cut) = known {
-            return polygon_patches(loops, params, [face, first], &cut.quads);
+        if let Some(cut) = known.and_then(|block| block.cuts.get(face)) {
+            // One of other vertices is another polygon: that the patches are not as many tells it.
+            let quads = if sizes().eq(cut.loops.iter().copied()) { &cut.quads[..] } else { &[] };
+            return polygon_patches(loops, params, [face, first], quads);
         }
         let Cut { quads, crosses } = polygon_cut(loops, params)?;
         let n: usize = sizes().sum();
@@ -284,6 +285,11 @@ impl Context {
             None => positions(&params)?.into_iter().map(|p| p.extend(1.0)).collect(),
         };
         let mut patches = nurbs(&points, &u, &v)?;
+        if let Some(k) = points.iter().position(|p| p.w <= 0.0) {
+            let weight = points[k].w;
+            self.scene
+                .warn(format!("point {k} of \"Pw\" has the weight {weight}: the patch may reach beyond all bounds"));
+        }
         // Texture coordinates go from 0 to 1 over the patch (RISpec 5.3).
         for patch in &mut patches {
             let unit = |x: f32, r: [f32; 2]| (x - r[0]) / (r[1] - r[0]);
@@ -429,6 +435,10 @@ impl Context {
         let mut names = names_of(&whole);
         columns.iter().chain(smooth.iter().map(|p| &p.decl)).for_each(|declared| note_varying(&mut names, declared));
         let parts = mesh.patches(levels);
+        if parts.is_empty() && n_faces > 0 && !tags.names.iter().any(|name| name == "interpolateboundary") {
+            let message = "a subdivision mesh whose faces all touch its boundary is not seen without the tag `interpolateboundary`";
+            self.scene.warn(message.into());
+        }
         self.scene.n_subdivided += parts.len();
         let mut patches = Vec::with_capacity(parts.len());
         for part in parts {

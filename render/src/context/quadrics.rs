@@ -30,7 +30,6 @@ impl Context {
         self.quadric(Outline::Circle([0.0; 2], r, [z_min, z_max].map(angle)), sweep, params)
     }
 
-    /// A quadric: a profile, swept.
     /// Warn of a sweep of more than a whole turn.
     fn say_sweep(&self, sweep: f32) {
         if sweep.is_finite() && sweep.abs() > 360.0 {
@@ -38,6 +37,7 @@ impl Context {
         }
     }
 
+    /// A quadric: a profile, swept.
     pub(super) fn quadric(&mut self, outline: Outline, sweep: f32, params: Params) -> RiResult {
         self.say_texts(&params);
         self.say_surplus(
@@ -72,8 +72,11 @@ pub(super) fn quadric_patches(quadric: &Quadric, pieces: [usize; 2]) -> Result<V
     Err(Fail::new("the quadric's numbers make no surface"))
 }
 
-/// Whether a patch is a line or a point.
+/// Whether a patch is a line, straight or not, or a point.
 fn has_no_area(patch: &Patch) -> bool {
+    if (0..16).all(|k| patch.p[k] == patch.p[k % 4]) || (0..16).all(|k| patch.p[k] == patch.p[k / 4 * 4]) {
+        return true;
+    }
     let from = |k: usize| patch.p[k] - patch.p[0];
     let longest =
         (0..16).map(from).fold(Vec3::ZERO, |a, b| if b.length_squared() > a.length_squared() { b } else { a });

@@ -33,7 +33,7 @@ impl Samples {
         for point in micropolygons {
             let k = *point as usize;
             for key in 0..last.max(1) {
-                let quad = Quad::new([k, k + 1, k + nu + 1, k + nu], track, key);
+                let quad = Quad::new([k, k + 1, k + nu + 1, k + nu], track, key, grid.side);
                 // The last key lasts to the end.
                 let until = if key + 1 < last { track.instants[key + 1].time } else { f32::INFINITY };
                 let times = [track.instants[key].time, until];

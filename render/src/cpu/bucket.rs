@@ -6,7 +6,7 @@ use crate::cpu::deferred::{Deferred, Shaded};
 use crate::cpu::displace::{displace, face_eye};
 use crate::cpu::frame::Frame;
 use crate::cpu::imager;
-use crate::cpu::raster::Raster;
+use crate::cpu::raster::{Raster, is_mirrored, side_seen};
 use crate::cpu::samples::layers::ToCome;
 use crate::cpu::samples::pixels::Pixels;
 use crate::cpu::samples::{SampledGrid, Samples};
@@ -260,8 +260,7 @@ impl Grids<'_> {
             Shape::Sphere => (points.orientation > 0.0) != view.attributes.reversed,
             Shape::Patches(..) => self.frame.rays.is_outward(item),
         };
-        let mirrored = (camera.to_camera.determinant() < 0.0) != (camera.scale.x * camera.scale.y < 0.0);
-        outward != mirrored
+        outward != is_mirrored(camera)
     }
 
     /// Sample a projected grid, or only find whether there is a sample for it; whether any sample takes something of it. Of what is `opaque` it
@@ -269,7 +268,8 @@ impl Grids<'_> {
     fn sample(&mut self, grid: &Grid, opaque: Option<bool>, is_probe: bool) -> bool {
         let begun = Instant::now();
         let Subject { item, view, instants, camera, .. } = self.subject;
-        self.raster.choose(camera, view, grid);
+        let side = side_seen(camera, view, &grid.points);
+        self.raster.choose(camera, side, grid);
         let Raster { at, micropolygons } = &*self.raster;
         let nu = grid.points.nu;
         let primitive = primitive_of(item);
@@ -286,6 +286,7 @@ impl Grids<'_> {
             seen: view.attributes.seen,
             planes: &self.frame.planes,
             solid,
+            side,
             is_probe,
         };
         let jitter = &self.frame.jitter;

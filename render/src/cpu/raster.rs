@@ -6,6 +6,7 @@ use crate::scene::motion::Instant;
 use crate::scene::source::ItemView;
 use glam::{Vec2, Vec3};
 use sl::Global;
+use sl::machine::Points;
 
 /// A projected grid.
 #[derive(Default)]
@@ -55,24 +56,17 @@ impl Raster {
         (z <= camera.far).then_some(RasterBound { min: min.into(), max: max.into(), z })
     }
 
-    /// Choose the micropolygons of a grid that are sampled: neither cut away nor behind the near plane, nor facing away where their
-    /// item is one-sided.
-    pub fn choose(&mut self, camera: &Camera, view: &ItemView<'_>, grid: &Grid) {
+    /// Choose the micropolygons of a grid that are sampled: neither cut away nor behind the near plane, nor facing away with both triangles
+    /// where one side of them is seen, as [`side_seen`] has it.
+    pub fn choose(&mut self, camera: &Camera, side: f32, grid: &Grid) {
         let points = &grid.points;
         let (n, nu, nv) = (points.n(), points.nu, points.nv);
-        let (place, normal) = (points.get(Global::P).unwrap_or(&[]), points.get(Global::N).unwrap_or(&[]));
-        // `Points` are disks before the eye, whose sides are one.
-        let a = view.attributes;
-        let is_opaque = a.stays_opaque() && view.attached.opacity.is_none();
-        let is_disk = view.particle && a.two_sided && !is_opaque;
-        let one_sided = (!a.two_sided || is_disk) && a.solid.is_none();
-        let outward = if is_disk && a.reversed { -1.0 } else { 1.0 };
-        // Of a one-sided primitive, micropolygons that face away are not there.
-        let away = |k: usize| {
-            let of = |v: &[f32]| Vec3::new(v[k], v[n + k], v[2 * n + k]);
-            outward * of(normal).dot(camera.incident(of(place))) > 0.0
-        };
         let Raster { at, micropolygons } = self;
+        // What moves, or is seen from a lens, may turn to a sample.
+        let away = |k: usize| match &at[..] {
+            [still] if side != 0.0 && !camera.has_lens() => !faces(still, nu, k, side),
+            _ => false,
+        };
         let behind = |k: usize| at.iter().any(|raster| !(raster[k][2] >= camera.near));
         let any_behind = (0..n).any(behind);
         micropolygons.clear();
@@ -81,7 +75,7 @@ impl Raster {
                 let k = j * nu + i;
                 if grid.trimmed.get(j * (nu - 1) + i) == Some(&true)
                     || (any_behind && [k, k + 1, k + nu + 1, k + nu].into_iter().any(behind))
-                    || (one_sided && away(k))
+                    || away(k)
                 {
                     continue;
                 }
@@ -89,6 +83,33 @@ impl Raster {
             }
         }
     }
+}
+
+/// The sign that the area of a triangle of a grid has on the raster, columns to the right and rows down, where the side of its surface
+/// that is seen is before the eye; 0 if both sides are seen. It is where the surface is that tells its sides apart (RISpec 3.2, section 4.2),
+/// not the normals that it is given.
+pub fn side_seen(camera: &Camera, view: &ItemView<'_>, points: &Points) -> f32 {
+    let a = view.attributes;
+    let is_opaque = a.stays_opaque() && view.attached.opacity.is_none();
+    // `Points` are disks before the eye, whose sides are one.
+    let is_disk = view.particle && a.two_sided && !is_opaque;
+    if (a.two_sided && !is_disk) || a.solid.is_some() {
+        return 0.0;
+    }
+    let outward = if is_disk && a.reversed { -points.orientation } else { points.orientation };
+    if is_mirrored(camera) { -outward } else { outward }
+}
+
+/// Whether what runs one way around before the camera runs the other way around on the raster.
+pub fn is_mirrored(camera: &Camera) -> bool {
+    (camera.to_camera.determinant() < 0.0) != (camera.scale.x * camera.scale.y < 0.0)
+}
+
+/// Whether a triangle of a micropolygon shows the side that is seen.
+fn faces(raster: &[[f32; 3]], nu: usize, k: usize, side: f32) -> bool {
+    let [a, b, c, d] = [k, k + 1, k + nu + 1, k + nu].map(|k| raster[k]);
+    let area = |p: [f32; 3], q: [f32; 3]| (p[0] - a[0]) * (q[1] - a[1]) - (q[0] - a[0]) * (p[1] - a[1]);
+    side * area(b, c) > 0.0 || side * area(c, d) > 0.0
 }
 
 /// A raster point on steps of 1/1024 pixel: single precision then takes differences of places without rounding, so that images

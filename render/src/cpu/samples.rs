@@ -77,6 +77,8 @@ pub struct SampledGrid<'a> {
     pub planes: &'a [RasterPlane],
     /// Of a solid, the primitive that it is a part of, and whether triangles of positive area on the raster are entered.
     pub solid: Option<(u32, bool)>,
+    /// The sign of the area on the raster of triangles that are there; 0 if all are.
+    pub side: f32,
     /// Nothing is recorded: it is only asked whether any sample takes something.
     pub is_probe: bool,
 }
@@ -89,7 +91,7 @@ impl SampledGrid<'_> {
         let (i, j) = (point % nu, point / nu);
         let outer = [j == 0, i + 2 == nu, j + 2 == nv, i == 0];
         let [low_u, high_u, low_v, high_v] = self.rims;
-        Around { corners, outer, rims: [low_v, high_u, high_v, low_u] }
+        Around { corners, outer, rims: [low_v, high_u, high_v, low_u], side: self.side }
     }
 }
 

@@ -20,12 +20,12 @@ struct Planes {
 }
 
 impl Planes {
-    /// Of the corners `a`, `a + u` and `a + v`: x, y, depth.
+    /// Of the corners `a`, `a + u` and `a + v`: x, y, depth; as if it had no area if that is not of the sign of `side`, unless this is 0.
     #[inline(always)]
-    fn new(z: f32, u: [f32; 3], v: [f32; 3]) -> Planes {
+    fn new(z: f32, u: [f32; 3], v: [f32; 3], side: f32) -> Planes {
         let area = u[0] * v[1] - v[0] * u[1];
         let inv = 1.0 / area;
-        let sound = area != 0.0 && inv.is_finite();
+        let sound = area != 0.0 && inv.is_finite() && side * area >= 0.0;
         let inv = if sound { inv } else { 0.0 };
         let side = |x: f32, y: f32| if sound { -EDGE * (x.abs() + y.abs()) * inv.abs() } else { f32::INFINITY };
         Planes {
@@ -197,7 +197,7 @@ impl Samples {
         if !(max_x >= 0.0 && max_y >= 0.0 && min_x < self.width as f32 && min_y < self.height as f32) {
             return;
         }
-        let (first, second) = (Planes::new(a[2], b, c), Planes::new(a[2], c, d));
+        let (first, second) = (Planes::new(a[2], b, c, grid.side), Planes::new(a[2], c, d, grid.side));
         let cells = |lo: f32, hi: f32, axis: usize, n: usize| {
             let cell = |x: f32| (x * self.strata[axis] as f32) as usize / CELL[axis];
             [cell(lo.max(0.0)), cell(hi).min(n - 1)]

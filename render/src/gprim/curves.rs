@@ -81,7 +81,8 @@ pub fn ribbon(curve: &[Vec3; 4], widths: [f32; 4], v: [f32; 2], facing: impl Fn(
     };
     for k in 0..4 {
         let half = 0.5 * widths[k];
-        let side = facing(curve[k], k as f32 / 3.0).cross(tangent(k)).normalize_or_zero() * half;
+        // Its normal, which is that of u and v, is then `facing`.
+        let side = tangent(k).cross(facing(curve[k], k as f32 / 3.0)).normalize_or_zero() * half;
         for i in 0..4 {
             p[4 * k + i] = curve[k] + side * (i as f32 / 1.5 - 1.0);
         }

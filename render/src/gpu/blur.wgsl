@@ -50,6 +50,8 @@ struct Track {
     high1: vec2<f32>,
     spreads: vec2<f32>,
     slack: f32,
+    // The sign of the area of triangles that are there, 0 if both are.
+    side: f32,
 }
 
 fn rounded4(v: vec4<f32>) -> vec4<f32> {
@@ -97,6 +99,7 @@ fn track_of(m: vec4<u32>, moment: u32, key: vec4<f32>) -> Track {
         b = corners(first + grid.z, m.y);
     }
     var t: Track;
+    t.side = f32((m.z >> 2u) & 1u) - f32((m.z >> 3u) & 1u);
     t.x1 = rounded4((b[0] - a[0]) * key.w);
     t.y1 = rounded4((b[1] - a[1]) * key.w);
     t.z1 = rounded4((b[2] - a[2]) * key.w);
@@ -138,11 +141,11 @@ fn cross2(p: vec2<f32>, q: vec2<f32>) -> f32 {
     return rounded(p.x * q.y) - rounded(p.y * q.x);
 }
 
-// Whether the parts of a triangle's area are of its sign, or but little of the other.
-fn is_inside(parts: vec3<f32>, slack: f32) -> bool {
+// Whether the parts of a triangle's area are of its sign, or but little of the other, and it is there.
+fn is_inside(parts: vec3<f32>, t: Track) -> bool {
     let area = rounded(parts.x + parts.y) + parts.z;
     let turned = bitcast<vec3<f32>>(bitcast<vec3<u32>>(parts) ^ vec3<u32>(bitcast<u32>(area) & 0x80000000u));
-    return all(turned >= vec3<f32>(slack)) && area != 0.0;
+    return all(turned >= vec3<f32>(t.slack)) && area != 0.0 && t.side * area >= 0.0;
 }
 
 // Where a sample meets a micropolygon; and what is known of a layer there beside its id.
@@ -192,8 +195,8 @@ fn met_in(t: Track, moment: vec4<f32>, at: array<vec2<f32>, 4>, is_second: bool)
 
 fn meet_at(t: Track, place: vec2<f32>, moment: vec4<f32>) -> Met {
     let at = corners_at(t, place, moment);
-    let in_first = is_inside(parts_of(at, false), t.slack);
-    if !in_first && !is_inside(parts_of(at, true), t.slack) {
+    let in_first = is_inside(parts_of(at, false), t);
+    if !in_first && !is_inside(parts_of(at, true), t) {
         return Met();
     }
     return met_in(t, moment, at, !in_first);

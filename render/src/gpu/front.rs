@@ -3,7 +3,7 @@
 
 use crate::cpu::displace::{displace, face_eye};
 use crate::cpu::frame::Frame;
-use crate::cpu::raster::Raster;
+use crate::cpu::raster::{Raster, side_seen};
 use crate::cpu::samples::BLOCK;
 use crate::cpu::samples::cull::blocks_of;
 use crate::film::display::place_of;
@@ -36,6 +36,8 @@ pub struct Diced {
     pub keys: Vec<[f32; 4]>,
     /// Its micropolygons, by their first points; none if the device dices it.
     pub micropolygons: Vec<u32>,
+    /// The sign of the area on the raster of triangles that are there; 0 if all are.
+    pub side: f32,
     /// How far it may be displaced.
     pub reach: f32,
     /// Its least depth; 0 if the device dices it.
@@ -282,6 +284,7 @@ impl Sink for Taken<'_> {
             raster: vec![],
             keys: keys(instants),
             micropolygons: vec![],
+            side: 0.0,
             reach: 0.0,
             z: 0.0,
             fades: view.attributes.fade_times(),
@@ -304,7 +307,8 @@ impl Sink for Taken<'_> {
             self.stats.grids_hidden += 1;
             return;
         }
-        self.raster.choose(camera, view, grid);
+        let side = side_seen(camera, view, &grid.points);
+        self.raster.choose(camera, side, grid);
         if self.raster.micropolygons.is_empty() {
             return;
         }
@@ -318,6 +322,7 @@ impl Sink for Taken<'_> {
             raster: std::mem::take(&mut self.raster.at),
             keys: keys(instants),
             micropolygons: std::mem::take(&mut self.raster.micropolygons),
+            side,
             reach: grid.reach,
             z: bound.z,
             fades: view.attributes.fade_times(),

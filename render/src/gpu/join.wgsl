@@ -1,4 +1,4 @@
-// Layers of one primitive that are very near to each other become one, where grids meet on a steep surface as far as their depths may differ there;
+// Layers of one primitive that are in one place become one, where grids meet as far as their depths may differ there;
 // and so do those of faces of a mesh that are met on an edge that they share. What repeats another has no id any more.
 // in    ends    [n]         where the list of a sample ends
 // inout layers  [n_layers]  key of the depth, and id; none of what repeats another
@@ -6,9 +6,6 @@
 // Twin: cpu/samples/layers.rs, cpu/samples.rs
 #import layer_lists
 #import layer_repeats
-
-// The same of what is met at one depth, but for rounding.
-const COINCIDENT: f32 = 2e-6;
 
 // Layers that one loop goes through.
 const RUN: u32 = 32768u;

@@ -9,7 +9,7 @@ const BAND: f32 = 3.0;
 const ON_RIM: f32 = 0.65;
 
 // A micropolygon around a sample: its corners from the sample on, and which sides are sides of the grid, and of the primitive, a bit each: from
-// its first corner to the second, to the third, to the fourth, and back.
+// its first corner to the second, to the third, to the fourth, and back; the sign of the area of triangles that are there, 0 if both are.
 struct Around {
     a: vec2<f32>,
     b: vec2<f32>,
@@ -17,6 +17,7 @@ struct Around {
     d: vec2<f32>,
     outer: u32,
     rims: u32,
+    side: f32,
 }
 
 fn around(m: vec4<u32>, a: vec2<f32>, b: vec2<f32>, c: vec2<f32>, d: vec2<f32>) -> Around {
@@ -27,7 +28,7 @@ fn around(m: vec4<u32>, a: vec2<f32>, b: vec2<f32>, c: vec2<f32>, d: vec2<f32>) 
     let outer = u32(j == 0u) | (u32(i + 2u == m.y) << 1u) | (u32(j + 2u == grids[grid_of(m)].y / m.y) << 2u) | (u32(i == 0u) << 3u);
     // The least and the greatest u, the least and the greatest v.
     let rims = ((row.w >> 2u) & 1u) | (row.w & 2u) | ((row.w >> 1u) & 4u) | ((row.w & 1u) << 3u);
-    return Around(a, b, c, d, outer, rims);
+    return Around(a, b, c, d, outer, rims, f32((m.z >> 2u) & 1u) - f32((m.z >> 3u) & 1u));
 }
 
 fn area_of(p: vec2<f32>, q: vec2<f32>) -> f32 {
@@ -61,9 +62,9 @@ fn insides(v: Around) -> vec2<bool> {
     let one = first > 0.0;
     let two = second > 0.0;
     return vec2<bool>(
-        first != 0.0 && left != one && has(v.a, v.b, areas.x, (v.outer & 1u) != 0u, one)
+        first != 0.0 && v.side * first >= 0.0 && left != one && has(v.a, v.b, areas.x, (v.outer & 1u) != 0u, one)
             && has(v.b, v.c, areas.y, (v.outer & 2u) != 0u, one),
-        second != 0.0 && left == two && has(v.c, v.d, areas.z, (v.outer & 4u) != 0u, two)
+        second != 0.0 && v.side * second >= 0.0 && left == two && has(v.c, v.d, areas.z, (v.outer & 4u) != 0u, two)
             && has(v.d, v.a, areas.w, (v.outer & 8u) != 0u, two),
     );
 }

@@ -1,5 +1,6 @@
 // Layers of samples: which micropolygons are layers at a sample, and what is asked of them.
-// in   micropolygons  [n_micropolygons]  first point, points of a row, 1 if smooth and 2 if matte and 4 times the first row of its grid, track
+// in   micropolygons  [n_micropolygons]  first point, points of a row, what it is, as raster.wgsl has it, and 16 times the first row of its
+//                                        grid, track
 // in   grids          [n_rows]           of a grid: name of its primitive, count of its points, count of the times at which it is shaded again, one
 //                                        more than the name of its mesh, 0 if it shares none; the part of the samples that see it, as bits, its
 //                                        first point, and which of its sides are edges of the primitive, a bit each; then these times, four a row
@@ -13,7 +14,7 @@ fn depth_of(key: u32) -> f32 {
 }
 
 fn grid_of(m: vec4<u32>) -> u32 {
-    return m.z >> 2u;
+    return m.z >> 4u;
 }
 
 fn pixel_of_sample(sample: u32) -> vec2<u32> {

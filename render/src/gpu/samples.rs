@@ -14,6 +14,11 @@ use gpu::{Bound, Buffer, Device, GpuError};
 /// What micropolygons are: colour is interpolated; nothing but a hole.
 const SMOOTH: u32 = 1;
 const MATTE: u32 = 2;
+/// Of triangles of positive area alone, or of negative, if one side is seen.
+const POSITIVE: u32 = 4;
+const NEGATIVE: u32 = 8;
+/// Bits before the row.
+const FLAG_BITS: u32 = 4;
 
 /// What samples of an image of motion or a lens have besides their places.
 struct Blur {
@@ -195,8 +200,10 @@ impl<'a> Samples<'a> {
         let first_track = self.blur.as_ref().map_or(0, |blur| blur.n);
         for (k, grid) in grids.iter().enumerate() {
             let a = frame.scene.attributes(grid.item);
-            let row = rows.get(k).copied().unwrap_or(0) << 2;
-            let flags = row | if a.smooth { SMOOTH } else { 0 } | if a.matte { MATTE } else { 0 };
+            let row = rows.get(k).copied().unwrap_or(0) << FLAG_BITS;
+            let flags =
+                [(a.smooth, SMOOTH), (a.matte, MATTE), (grid.side > 0.0, POSITIVE), (grid.side < 0.0, NEGATIVE)];
+            let flags = flags.into_iter().fold(row, |all, (is, flag)| if is { all | flag } else { all });
             let (first, nu, track) = (n_points as u32, grid.points.nu as u32, (first_track + tracks.len()) as u32);
             if self.blur.is_some() {
                 let place = (self.n_places + points.n) as u32;

@@ -15,8 +15,8 @@ fn sample_micropolygon(index: u32) {
         return;
     }
     let strata = vec2<u32>(params[4], params[5]);
-    let first = triangle(q.a.z, q.b, q.c);
-    let second = triangle(q.a.z, q.c, q.d);
+    let first = triangle(q.a.z, q.b, q.c, q.side);
+    let second = triangle(q.a.z, q.c, q.d, q.side);
     let start = vec2<u32>(max(least, vec2<f32>()) * vec2<f32>(strata));
     let end = min(vec2<u32>(min(most, size) * vec2<f32>(strata)) + 1u, vec2<u32>(params[2], params[3]) * strata);
     for (var y = start.y; y < end.y; y += 1u) {

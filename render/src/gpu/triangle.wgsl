@@ -24,11 +24,11 @@ fn least_weight(x: f32, y: f32, inverse: f32) -> f32 {
     return -EDGE * rounded(abs(x) + abs(y)) * abs(inverse);
 }
 
-// Of the corners at a, a + u and a + v; z is a's depth.
-fn triangle(z: f32, u: vec3<f32>, v: vec3<f32>) -> Triangle {
+// Of the corners at a, a + u and a + v; z is a's depth. It is met nowhere, too, if the sign of its area is not that of side, unless this is 0.
+fn triangle(z: f32, u: vec3<f32>, v: vec3<f32>, side: f32) -> Triangle {
     let area = rounded(u.x * v.y) - rounded(v.x * u.y);
     var t: Triangle;
-    t.sound = abs(area) > 1e-30;
+    t.sound = abs(area) > 1e-30 && side * area >= 0.0;
     if !t.sound {
         return t;
     }

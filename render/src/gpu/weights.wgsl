@@ -8,10 +8,10 @@ fn weights_at(sample: u32, m: vec4<u32>, is_second: bool) -> vec2<f32> {
     let q = quad(m);
     let d = place(pixel, vec2<u32>(sample % n % strata.x, sample % n / strata.x)) - q.a.xy;
     if is_second {
-        let p = meet(triangle(q.a.z, q.c, q.d), d);
+        let p = meet(triangle(q.a.z, q.c, q.d, q.side), d);
         return vec2<f32>(p.second, p.third);
     }
-    let p = meet(triangle(q.a.z, q.b, q.c), d);
+    let p = meet(triangle(q.a.z, q.b, q.c, q.side), d);
     return vec2<f32>(p.second, p.third);
 }
 

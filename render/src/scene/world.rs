@@ -243,9 +243,9 @@ impl Scene {
             (Ask::Option, [name]) => self.options.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone()),
             (Ask::TextureInfo, [texture, what]) => match *what {
                 "resolution" => numbers(&self.textures.size(texture)?.0),
-                "exists" => numbers(&[self.textures.exists(texture) as u8 as f32]),
+                "exists" => numbers(&[self.textures.exists(texture)? as u8 as f32]),
                 "channels" => numbers(&[self.textures.size(texture)?.1]),
-                "type" if self.textures.exists(texture) => Some(Answer::Text(self.textures.kind(texture).into())),
+                "type" if self.textures.exists(texture)? => Some(Answer::Text(self.textures.kind(texture).into())),
                 _ => None,
             },
             _ => None,

@@ -38,11 +38,13 @@ pub struct Quad {
     pub near: f32,
     /// How far outside a sample may be, as twice an area: an edge's width.
     slack: f32,
+    /// The sign of the area of triangles that are there; 0 if both are.
+    side: f32,
 }
 
 impl Quad {
-    /// Of four points of a grid, from a moment of its item on.
-    pub fn new(points: [usize; 4], track: &Track<'_>, key: usize) -> Quad {
+    /// Of four points of a grid, from a moment of its item on; `side` is [`SampledGrid::side`].
+    pub fn new(points: [usize; 4], track: &Track<'_>, key: usize, side: f32) -> Quad {
         let next = (key + 1).min(track.instants.len() - 1);
         let (from, to) = (&track.raster[key], &track.raster[next]);
         let start = track.instants[key].time;
@@ -69,6 +71,7 @@ impl Quad {
             spreads: [0.0; 2],
             near,
             slack: 0.0,
+            side,
         };
         if track.camera.has_lens() {
             let of = |p: &[f32; 3]| track.camera.confusion(p[2]);
@@ -161,7 +164,11 @@ impl Quad {
         let first = [cross(b, c), diagonal.negated(), cross(a, b)];
         let second = [cross(c, d), cross(d, a), diagonal];
         let slack = L::splat(self.slack);
-        Met { in_first: inside(first, slack), in_second: inside(second, slack), first, second }
+        let (mut in_first, mut in_second) = (inside(first, slack), inside(second, slack));
+        if self.side != 0.0 {
+            (in_first, in_second) = (in_first.and(faces(first, self.side)), in_second.and(faces(second, self.side)));
+        }
+        Met { in_first, in_second, first, second }
     }
 
     /// Weights and depth at one of them.
@@ -231,6 +238,12 @@ fn inside<L: Lanes>(parts: [L; 3], slack: L) -> L {
     let area = parts[0] + parts[1] + parts[2];
     let (p, q, r) = (parts[0].xor_sign(area), parts[1].xor_sign(area), parts[2].xor_sign(area));
     p.ge(slack).and(q.ge(slack)).and(r.ge(slack)).and(area.ne(L::splat(0.0)))
+}
+
+/// Where the area of a triangle has a sign.
+#[inline(always)]
+fn faces<L: Lanes>(parts: [L; 3], side: f32) -> L {
+    ((parts[0] + parts[1] + parts[2]) * L::splat(side)).ge(L::splat(0.0))
 }
 
 impl Samples {

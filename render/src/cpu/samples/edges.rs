@@ -36,6 +36,8 @@ pub struct Around {
     /// Which sides are sides of the grid, and of the primitive: from its first corner to the second, to the third, to the fourth, and back.
     pub outer: [bool; 4],
     pub rims: [bool; 4],
+    /// The sign of the area of triangles that are there; 0 if both are.
+    pub side: f32,
 }
 
 /// An edge as the sample sees it.
@@ -78,7 +80,7 @@ impl Around {
         let diagonal = Side::new(a, c, false);
         [[ab, bc, diagonal.reversed()], [cd, da, diagonal]].map(|sides| {
             let area = sides[0].area + sides[1].area + sides[2].area;
-            area != 0.0 && sides.iter().all(|side| side.has(area > 0.0))
+            area != 0.0 && self.side * area >= 0.0 && sides.iter().all(|side| side.has(area > 0.0))
         })
     }
 
@@ -152,7 +154,7 @@ mod tests {
             };
             let count = |i: i32, j: i32| {
                 let corners = [of(i, j), of(i + 1, j), of(i + 1, j + 1), of(i, j + 1)];
-                let around = Around { corners, outer: [false; 4], rims: [false; 4] };
+                let around = Around { corners, outer: [false; 4], rims: [false; 4], side: 0.0 };
                 around.inside().iter().filter(|inside| **inside).count()
             };
             let n: usize = (0..4).flat_map(|i| (0..4).map(move |j| (i, j))).map(|(i, j)| count(i, j)).sum();
@@ -171,7 +173,7 @@ mod tests {
             };
             let count = |(i, j): (i32, i32)| {
                 let corners = [of(i, j), of(i + 1, j), of(i + 1, j + 1), of(i, j + 1)];
-                let around = Around { corners, outer: [false; 4], rims: [false; 4] };
+                let around = Around { corners, outer: [false; 4], rims: [false; 4], side: 0.0 };
                 around.inside().iter().filter(|inside| **inside).count()
             };
             let n: usize = (0..4).flat_map(|i| (0..4).map(move |j| (i, j))).map(count).sum();
@@ -185,6 +187,7 @@ mod tests {
             corners: [[x, -0.5], [x + 1.0, -0.5], [x + 1.0, 0.5], [x, 0.5]],
             outer: [false, false, false, true],
             rims: [false, false, false, true],
+            side: 0.0,
         };
         assert_eq!(around(0.001).inside(), [false, true]);
         assert_eq!(around(0.002).inside(), [false, false]);

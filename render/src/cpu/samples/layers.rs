@@ -15,12 +15,12 @@ const CLOSED: f32 = 1.0 / (1u64 << 40) as f32;
 /// The same where a layer may still turn out to be another's repetition.
 const SURELY_CLOSED: f32 = 1.0 / (1u64 << 60) as f32;
 
-/// Two layers of a primitive that are nearer to each other than this part of their depth are one: a sample on a side that two
-/// grids share meets both. On steep surfaces they may be as far from each other as the surface is across the widened edges. So are layers of
+/// Two layers of a primitive that are met at sides of grids and nearer to each other than this part of their depth are one: a sample on a side
+/// that two grids share meets both. On steep surfaces they may be as far from each other as the surface is across the widened edges. So are layers of
 /// two faces of a mesh, where the sample lies on an edge of one of them: elsewhere they are sheets of it that coincide.
 const SAME: f32 = 1e-4;
 
-/// The same of what is met at one depth, but for rounding.
+/// The same of what is met at one depth, but for rounding, at sides of grids or not: of ribbons that lie over each other where curves bend.
 const COINCIDENT: f32 = 2e-6;
 
 /// Layers of a sample up to which each is compared with those before it.
@@ -113,7 +113,7 @@ impl Line {
                 let v = of(k);
                 let counts = |before: &usize| of(*before).primitive == v.primitive && !repeats[*before];
                 let is_one = v.primitive != NO_PRIMITIVE && {
-                    let mut near = (0..k).rev().take_while(|before| is_near(of(*before), v, SAME));
+                    let mut near = (0..k).rev().take_while(|before| is_near(of(*before), v, COINCIDENT));
                     near.any(|before| counts(&before))
                         || v.at_edge.grid && {
                             let mut at_edges = (0..k).rev().filter(|before| of(*before).at_edge.grid);
@@ -130,7 +130,7 @@ impl Line {
             for k in by_name.iter() {
                 let v = of(*k as usize);
                 let is_of = |before: &&Layer| before.primitive == v.primitive;
-                let is_one = before.filter(is_of).is_some_and(|before| is_near(before, v, SAME))
+                let is_one = before.filter(is_of).is_some_and(|before| is_near(before, v, COINCIDENT))
                     || at_edge.filter(is_of).is_some_and(|before| is_within_slack(before, v, SAME));
                 if is_one {
                     repeats[*k as usize] = true;
