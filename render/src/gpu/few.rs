@@ -132,10 +132,11 @@ impl<'k> Few<'k> {
         let (first, n) = (chosen.first, grid.n());
         self.wanted.clear();
         self.wanted.extend(set_of(wanted, first, n));
+        let view = frame.scene.view(grid.item);
         for moment in 0..=grid.fades.len() {
             let time = moment.checked_sub(1).map_or(0.0, |k| grid.fades[k]);
             let places = [first, first + moment * n];
-            self.add_at(frame, grid, (places, chosen.cap, time), batch, later.as_deref_mut())?;
+            self.add_at(frame, (grid, &view), (places, chosen.cap, time), batch, later.as_deref_mut())?;
         }
         Ok(())
     }
@@ -144,31 +145,30 @@ impl<'k> Few<'k> {
     fn add_at(
         &mut self,
         frame: &Frame<'_>,
-        grid: &Diced,
+        (grid, view): (&Diced, &ItemView<'_>),
         (places @ [bits, first], cap, time): ([usize; 2], u32, f32),
         batch: &mut Batch<'_>,
         later: Option<&mut Batch<'_>>,
     ) -> Result<(), Refusal> {
-        let view = frame.scene.view(grid.item);
         let whole = view.attributes.reads_neighbours();
         let mut gathered = std::mem::take(&mut self.gathered);
         match (&grid.points, &grid.cap) {
             (Some(points), _) if whole => gathered.clone_from(points),
             (Some(points), _) => gather(points, view.attached.n_uniform, &self.wanted, &mut gathered),
-            (None, Some(cap)) => of_cap(cap.orientation, &view, self.wanted.len(), &mut gathered),
+            (None, Some(cap)) => of_cap(cap.orientation, view, self.wanted.len(), &mut gathered),
             (None, None) => {}
         }
         let points = &mut gathered;
-        let surface = Surface { item: grid.item, view: &view, reach: grid.reach, z: grid.z, time };
+        let surface = Surface { item: grid.item, view, reach: grid.reach, z: grid.z, time };
         let filled: &[Global] = match (&grid.cap, view.attributes.surface.program.global(Global::Ng)) {
             (None, _) => &[],
             (Some(_), None) => &OF_CAPS[..3],
             (Some(_), Some(_)) => &OF_CAPS,
         };
         let scene = if grid.cap.is_some() {
-            surface_globals(points, &view, frame.camera.eye, time);
+            surface_globals(points, view, frame.camera.eye, time);
             // The device knows how near the start of a ray nothing is met.
-            View::new(frame.scene, &frame.rays, grid.item, &view, [0.0; 2])
+            View::new(frame.scene, &frame.rays, grid.item, view, [0.0; 2])
         } else {
             prepare(frame, &surface, points)
         };
@@ -193,7 +193,7 @@ impl<'k> Few<'k> {
             n_wanted: self.wanted.len(),
             opacities: self.opacities.len(),
         });
-        self.note_given(frame, (grid.item, &grid.motion), first, (batch, k), &view, points);
+        self.note_given(frame, (grid.item, &grid.motion), first, (batch, k), view, points);
         if let (Some(later), Some(shader)) = (later, &view.attributes.atmosphere) {
             // The surface's results come here.
             let n = points.n();

@@ -475,11 +475,16 @@ impl<'a> Drawing<'a> {
     fn finish(mut self) -> Result<Drawn, Refusal> {
         let (options, own) = (self.frame.options, self.buckets());
         let width = self.image.width;
-        let mut image = Image::new(width, self.image.height, self.frame.aovs.clone());
         let depth = self.frame.depth;
         self.shaders.report(self.frame.scene)?;
         self.settle()?;
         let start = Instant::now();
+        let n_drawn: usize = own.iter().map(|bucket| bucket.width * bucket.height).sum();
+        if options.imager.is_none() && n_drawn == self.image.pixels.len() {
+            // All of it is drawn, and nothing is left to do.
+            return Ok(Drawn { image: self.image, stats: self.stats, identities: self.identities });
+        }
+        let mut image = Image::new(width, self.image.height, self.frame.aovs.clone());
         let of_bucket = |bucket: &Bucket| {
             let rows = (bucket.y..bucket.y + bucket.height).map(|y| y * width + bucket.x);
             let mut pixels: Vec<[f32; 4]> =

@@ -59,6 +59,8 @@ pub struct Shaders<'a> {
     own: &'a FrameKernels,
     kept: &'a Kept,
     looks: Vec<Look>,
+    /// The looks of sources, as far as they are known.
+    of_source: Vec<Option<usize>>,
     /// What kernels read of the scene.
     world: Buffer<[u32; 4]>,
     /// What stands for opacities where these are not wanted.
@@ -79,7 +81,7 @@ impl<'a> Shaders<'a> {
     ) -> Result<Shaders<'a>, GpuError> {
         let world = Buffer::zeros(device, "scene", 1)?;
         let nothing = Buffer::zeros(device, "no opacities", 1)?;
-        Ok(Shaders { device, kernels, own, kept, looks: vec![], world, nothing, most_values })
+        Ok(Shaders { device, kernels, own, kept, looks: vec![], of_source: vec![], world, nothing, most_values })
     }
 
     /// Find kernels for all that the camera may see, of whose sources some become layers; whether any asks what stops light, and what closes
@@ -122,7 +124,19 @@ impl<'a> Shaders<'a> {
         self.kept.give("scene", self.world.clone());
     }
 
-    /// The index of what an item looks by.
+    /// The index of what an item looks by, which is that of its source.
+    fn look_of(&mut self, frame: &Frame<'_>, item: Item) -> Result<usize, Refusal> {
+        let source = item.source as usize;
+        if let Some(look) = self.of_source.get(source).copied().flatten() {
+            return Ok(look);
+        }
+        let look = self.look(frame, item, &frame.scene.view(item))?;
+        self.of_source.resize(self.of_source.len().max(source + 1), None);
+        self.of_source[source] = Some(look);
+        Ok(look)
+    }
+
+    /// The index of what an item of a view looks by.
     fn look(&mut self, frame: &Frame<'_>, item: Item, view: &ItemView<'_>) -> Result<usize, Refusal> {
         let a = view.attributes;
         if let Some(k) = self.looks.iter().position(|look| look.is_of(a)) {
@@ -214,7 +228,7 @@ impl<'a> Shaders<'a> {
         for (index, grid) in grids.iter().enumerate() {
             let count = count_of(wanted, first, grid.n());
             if count > 0 {
-                let look = self.look(frame, grid.item, &frame.scene.view(grid.item))?;
+                let look = self.look_of(frame, grid.item)?;
                 by_look.resize_with(by_look.len().max(look + 1), Vec::new);
                 by_look[look].push(Wanted { chosen: Chosen { index, first, cap }, count });
             }
