@@ -111,6 +111,10 @@ pub struct BenchRenderArgs {
     /// Width and height, pixels.
     #[arg(long, value_name = "WxH", value_parser = resolution, default_value = "1280x720")]
     pub res: Resolution,
+    /// Number of times that the image is drawn, as the frames of a film are; the
+    /// figures are those of the last.
+    #[arg(long, default_value_t = 1, value_name = "K", value_parser = index::<usize>())]
+    pub frames: usize,
     /// Write the image to this file (PNG).
     #[arg(long, value_name = "FILE")]
     pub image: Option<PathBuf>,

@@ -18,16 +18,26 @@ use std::time::Instant;
 /// Render the bed and measure it.
 pub fn measure(job: &RenderBench) -> Outcome<serde_json::Value> {
     let device = Drawer::new(job.on.clone()).device()?;
-    let (cpu, wall) = (cpu_seconds(), Instant::now());
-    let result = draw(job, device.clone())?;
-    if let DrawnBy::Fallback(why) = &result.drawn_by {
-        return Err(Failure::new(Exit::Usage, format!("--backend gpu: {why}")));
+    let (mut frames, mut last) = (vec![], None);
+    for k in 0..job.frames {
+        let (cpu, wall) = (cpu_seconds(), Instant::now());
+        let result = draw(job, device.clone())?;
+        if let DrawnBy::Fallback(why) = &result.drawn_by {
+            return Err(Failure::new(Exit::Usage, format!("--backend gpu: {why}")));
+        }
+        let drawn = wall.elapsed().as_secs_f64();
+        let bytes = encode(&result)?;
+        if let Some(path) = job.image.as_ref().filter(|_| k + 1 == job.frames) {
+            frame::atomic::write(path, &bytes)?;
+        }
+        let (cpu, wall) = (cpu_seconds() - cpu, wall.elapsed().as_secs_f64());
+        let s = result.stats;
+        frames.push(json!({
+            "cpu_seconds": cpu, "wall_seconds": wall, "encode_seconds": wall - drawn, "seconds": s.seconds, "device": s.device,
+        }));
+        last = Some((result, cpu, wall));
     }
-    let bytes = encode(&result)?;
-    if let Some(path) = &job.image {
-        frame::atomic::write(path, &bytes)?;
-    }
-    let (cpu, wall) = (cpu_seconds() - cpu, wall.elapsed().as_secs_f64());
+    let Some((result, cpu, wall)) = last else { return Err(Failure::new(Exit::Usage, "no frames")) };
     let is_gpu = result.drawn_by == DrawnBy::Gpu;
     let s = result.stats;
     let mut report = json!({
@@ -45,6 +55,9 @@ pub fn measure(job: &RenderBench) -> Outcome<serde_json::Value> {
         }
         // Devices do not count their tests.
         None => report["samples"] = s.samples.into(),
+    }
+    if job.frames > 1 {
+        report["frames"] = frames.into();
     }
     if job.compares {
         let other = draw(job, None)?;

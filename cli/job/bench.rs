@@ -49,6 +49,8 @@ pub struct RenderBench {
     pub shading_rate: f32,
     /// Width and height, pixels.
     pub resolution: [u32; 2],
+    /// Number of times that it is drawn.
+    pub frames: usize,
     /// The file of the image, if it is kept.
     pub image: Option<PathBuf>,
     /// What draws.
@@ -143,7 +145,8 @@ fn settle(args: &BenchSimArgs, solver: &mut SolverSettings) {
 
 fn render_bench(args: BenchRenderArgs) -> Outcome<RenderBench> {
     let on = DrawOn::check(args.backend, args.adapter)?;
-    let BenchRenderArgs { n, motion, sky, f_stop, shading_rate, res, image, compare, .. } = args;
+    let BenchRenderArgs { n, motion, sky, f_stop, shading_rate, res, frames, image, compare, .. } = args;
     let compares = matches!(compare, Some(args::Comparison::Cpu));
-    Ok(RenderBench { n: n.max(1), motion, sky, f_stop, shading_rate, resolution: res, image, on, compares })
+    let (n, frames) = (n.max(1), frames.max(1));
+    Ok(RenderBench { n, motion, sky, f_stop, shading_rate, resolution: res, frames, image, on, compares })
 }

@@ -7,6 +7,7 @@
 mod caps;
 mod few;
 mod front;
+mod kept;
 mod kernels;
 mod layers;
 pub mod limits;

@@ -1,18 +1,19 @@
 // What shaders are given of points of tiles of spheres' caps: places, normals and ways from the eye; a workgroup a tile.
 // in    caps, rings, disk   as cap.wgsl has them
 // in    least   [n_caps]   the least depth of each tile, as bits
-// in    given   [2 n]      of each: tile, count of its points that are shaded, the first of them, the first number of P among the values, which N,
+// in    given   [2 n]      of each: tile, count of its points that are shaded, its first point, the first number of P among the values, which N,
 //                          I and, if it is given, Ng follow; first of the host's own numbers, 1 if Ng is given, 0, 0
-// in    listed  [n_listed] points that are shaded
+// in    wanted  [n_points / 32]  the points that are shaded, a bit each
 // out   values  [n_values]
 // in    params  [14]       0 to 6: as raster.wgsl has them; first and count of what is given; then numbers: where the eye is, pixels for a unit
 //                          at a depth of 1, the least depth
 // Twin: cpu/shade.rs
 #import cap
+#import wanted
 
 @group(0) @binding(3) var<storage, read> least: array<u32>;
 @group(0) @binding(4) var<storage, read> given: array<vec4<u32>>;
-@group(0) @binding(5) var<storage, read> listed: array<u32>;
+@group(0) @binding(5) var<storage, read> wanted: array<u32>;
 @group(0) @binding(6) var<storage, read_write> values: array<f32>;
 @group(0) @binding(7) var<storage, read> params: array<u32>;
 
@@ -42,8 +43,13 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let own = given[2u * k];
     let more = given[2u * k + 1u];
     let eye = vec3<f32>(number(9u), number(10u), number(11u));
-    for (var i = thread; i < own.y; i += SIZE) {
-        let on = on_disk(own.x, listed[own.z + i]);
+    let head = caps[13u * own.x];
+    for (var point = thread; point < head.z * head.w; point += SIZE) {
+        if !is_wanted(own.z + point) {
+            continue;
+        }
+        let i = wanted_before(own.z, own.z + point);
+        let on = on_disk(own.x, point);
         let place = place_of(own.x, on);
         let normal = normal_of(own.x, on);
         put(own.w + i, own.y, place);

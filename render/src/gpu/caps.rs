@@ -2,10 +2,12 @@
 
 use crate::cpu::frame::Frame;
 use crate::gprim::sphere::tile::CapTile;
-use crate::gpu::front::Diced;
+use crate::gpu::front::Cap;
+use crate::gpu::kept::Kept;
 use crate::gpu::kernels::{FrameKernels, groups, staged};
-use glam::Mat4;
+use glam::{Mat4, Vec3};
 use gpu::{Buffer, Commands, Device, GpuError, Work};
+use rayon::prelude::*;
 
 /// Rows of a tile: `cap.wgsl` has what they are.
 const ROWS: usize = 13;
@@ -24,17 +26,11 @@ pub struct Caps {
     n_matrices: usize,
 }
 
-/// What is added to them together.
-#[derive(Default)]
-pub struct Added {
-    rows: Vec<[u32; 4]>,
-    rings: Vec<[f32; 2]>,
-    matrices: Vec<[f32; 4]>,
-}
-
-/// Where the points and micropolygons of a tile are: its first place, its first micropolygon, its first point, what its micropolygons are, its
-/// track.
-pub struct Placed {
+/// A tile, of points in rows, and where its points and micropolygons are: its first place, its first micropolygon, its first point, what its
+/// micropolygons are, its track.
+pub struct Placed<'a> {
+    pub cap: &'a Cap,
+    pub size: [usize; 2],
     pub place: usize,
     pub micropolygon: usize,
     pub point: usize,
@@ -55,13 +51,13 @@ impl Caps {
     ///
     /// # Errors
     /// Those of [`Buffer::zeros`].
-    pub fn new(device: &Device, frame: &Frame<'_>) -> Result<Caps, GpuError> {
+    pub fn new(device: &Device, kept: &Kept, frame: &Frame<'_>) -> Result<Caps, GpuError> {
         let camera = columns(&frame.camera.to_camera);
         Ok(Caps {
-            rows: Buffer::zeros(device, "caps", 1)?,
-            rings: Buffer::zeros(device, "rings", 1)?,
+            rows: kept.take(device, "caps", 1)?,
+            rings: kept.take(device, "rings", 1)?,
             matrices: Buffer::of(device, "matrices to camera space", &camera)?,
-            least: Buffer::zeros(device, "least depths of caps", 1)?,
+            least: kept.take(device, "least depths of caps", 1)?,
             left_out: Buffer::zeros(device, "hidden caps", 2)?,
             n: 0,
             n_rings: 0,
@@ -69,55 +65,43 @@ impl Caps {
         })
     }
 
+    /// Keep the buffers for another frame.
+    pub fn keep(self, kept: &Kept) {
+        kept.give("caps", self.rows);
+        kept.give("rings", self.rings);
+        kept.give("least depths of caps", self.least);
+    }
+
     /// No tile waits any more.
     pub fn forget(&mut self) {
         (self.n, self.n_rings, self.n_matrices) = (0, 0, 4);
-    }
-
-    /// Note a tile among those that are added.
-    pub fn note(&self, added: &mut Added, grid: &Diced, placed: &Placed) {
-        let Some(cap) = &grid.cap else { return };
-        let CapTile { center, linear, normals, axes, rings, outline, first, outward } = &cap.tile;
-        let [first_ring, matrix] = [self.n_rings + added.rings.len(), self.n_matrices + added.matrices.len()];
-        let [nu, nv] = [grid.points.nu as u32, grid.points.nv as u32];
-        let number = |v: glam::Vec3, w: f32| v.extend(w).to_array().map(f32::to_bits);
-        let [column, row] = first.map(|k| k as u32);
-        added.rows.extend([
-            [placed.place as u32, placed.micropolygon as u32, nu, nv],
-            [column, row, first_ring as u32, outline.0 as u32],
-            [
-                placed.flags,
-                placed.track,
-                cap.n_moments() as u32,
-                if cap.to_camera.is_empty() { 0 } else { matrix as u32 },
-            ],
-            number(*center, outline.1[0]),
-            number(axes[0], outline.1[1]),
-            number(axes[1], *outward),
-            number(axes[2], f32::from_bits(placed.point as u32)),
-        ]);
-        let matrices = [linear, normals].map(|m| [m.x_axis, m.y_axis, m.z_axis]);
-        added.rows.extend(matrices.iter().flatten().map(|column| number(*column, 0.0)));
-        added.rings.extend_from_slice(rings);
-        added.matrices.extend(cap.to_camera.iter().flat_map(columns));
     }
 
     /// Add tiles; the first of them and their count.
     ///
     /// # Errors
     /// Those of [`Buffer::reserve`].
-    pub fn add(&mut self, device: &Device, added: &Added) -> Result<[usize; 2], GpuError> {
-        let (first, n) = (self.n, added.rows.len() / ROWS);
+    pub fn add(&mut self, device: &Device, tiles: &[Placed<'_>]) -> Result<[usize; 2], GpuError> {
+        let (first, n) = (self.n, tiles.len());
+        let (mut rings, mut matrices, mut starts) = (vec![], vec![], vec![]);
+        for Placed { cap, .. } in tiles {
+            starts.push([self.n_rings + rings.len(), self.n_matrices + matrices.len()].map(|at| at as u32));
+            rings.extend_from_slice(&cap.tile.rings);
+            matrices.extend(cap.to_camera.iter().flat_map(columns));
+        }
+        let mut rows = vec![[0; 4]; ROWS * n];
+        let each = rows.par_chunks_exact_mut(ROWS).zip(tiles).zip(starts).with_min_len(256);
+        each.for_each(|((rows, tile), starts)| rows.copy_from_slice(&tile.rows(starts)));
         self.rows.reserve(device, ROWS * (first + n))?;
-        self.rings.reserve(device, self.n_rings + added.rings.len())?;
-        self.matrices.reserve(device, self.n_matrices + added.matrices.len())?;
+        self.rings.reserve(device, self.n_rings + rings.len())?;
+        self.matrices.reserve(device, self.n_matrices + matrices.len())?;
         self.least.reserve(device, first + n)?;
-        self.rows.write_from(device, ROWS * first, &added.rows);
-        self.rings.write_from(device, self.n_rings, &added.rings);
-        self.matrices.write_from(device, self.n_matrices, &added.matrices);
+        self.rows.write_from(device, ROWS * first, &rows);
+        self.rings.write_from(device, self.n_rings, &rings);
+        self.matrices.write_from(device, self.n_matrices, &matrices);
         self.n += n;
-        self.n_rings += added.rings.len();
-        self.n_matrices += added.matrices.len();
+        self.n_rings += rings.len();
+        self.n_matrices += matrices.len();
         Ok([first, n])
     }
 
@@ -157,14 +141,14 @@ impl Caps {
         commands.send(device)
     }
 
-    /// Record that values are given the points of tiles that are shaded: two rows of each tile, and the points.
+    /// Record that values are given the points of tiles that are shaded: two rows of each tile, and a bit a point that is.
     pub fn give(
         &self,
         device: &Device,
         kernels: &FrameKernels,
         frame: &Frame<'_>,
         commands: &mut Commands,
-        (given, listed, values): (&Buffer<[u32; 4]>, &Buffer<u32>, &Buffer<f32>),
+        (given, wanted, values): (&Buffer<[u32; 4]>, &Buffer<u32>, &Buffer<f32>),
         n: usize,
     ) {
         let camera = &frame.camera;
@@ -177,7 +161,7 @@ impl Caps {
             kernels.disk.bind(),
             self.least.bind(),
             given.bind(),
-            listed.bind(),
+            wanted.bind(),
             values.bind(),
         ];
         commands.dispatch(device, &kernels.cap_points, &bound, &params, Work::Groups(n as u32));
@@ -190,6 +174,31 @@ impl Caps {
     pub fn left_out(&self, device: &Device) -> Result<[u64; 2], GpuError> {
         let all = self.left_out.read(device, 2)?;
         Ok([all[0], all[1]].map(u64::from))
+    }
+}
+
+impl Placed<'_> {
+    /// Its rows, whose first ring and first row of a matrix are given.
+    fn rows(&self, [ring, matrix]: [u32; 2]) -> [[u32; 4]; ROWS] {
+        let Placed { cap, size, place, micropolygon, point, flags, track } = self;
+        let CapTile { center, linear, normals, axes, outline, first, outward, .. } = &cap.tile;
+        let number = |v: Vec3, w: f32| v.extend(w).to_array().map(f32::to_bits);
+        let column = |v: Vec3| number(v, 0.0);
+        [
+            [*place as u32, *micropolygon as u32, size[0] as u32, size[1] as u32],
+            [first[0] as u32, first[1] as u32, ring, outline.0 as u32],
+            [*flags, *track, cap.n_moments() as u32, if cap.to_camera.is_empty() { 0 } else { matrix }],
+            number(*center, outline.1[0]),
+            number(axes[0], outline.1[1]),
+            number(axes[1], *outward),
+            number(axes[2], f32::from_bits(*point as u32)),
+            column(linear.x_axis),
+            column(linear.y_axis),
+            column(linear.z_axis),
+            column(normals.x_axis),
+            column(normals.y_axis),
+            column(normals.z_axis),
+        ]
     }
 }
 

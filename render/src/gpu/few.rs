@@ -59,17 +59,16 @@ pub struct Few<'k> {
     kernel: Option<&'k Kernel>,
     takes_outputs: bool,
     pub grids: Vec<FewOfGrid>,
-    /// Of each that is wanted, its index among all points, and among those of its grid that are shaded.
-    pub points: Vec<(u32, u32)>,
-    /// Of each that is wanted, its opacity, if the surface's shader leaves that as it is.
+    /// Count of those that are wanted.
+    pub n_points: usize,
+    /// Of each that is wanted, its opacity, if the surface's shader leaves that as it is: three runs a grid.
     pub opacities: Vec<f32>,
     /// What displays take besides colours: rows of results, and rows of numbers that are given.
     pub rows: Vec<[u32; 4]>,
     pub given_rows: Vec<[u32; 4]>,
     pub given_outputs: Vec<f32>,
-    /// Of those of tiles that the device dices: two rows a tile, as `cap_points.wgsl` has them, and the points.
+    /// Of those of tiles that the device dices: two rows a tile, as `cap_points.wgsl` has them.
     pub of_caps: Vec<[u32; 4]>,
-    pub listed: Vec<u32>,
     gathered: Points,
     wanted: Vec<u32>,
 }
@@ -82,14 +81,32 @@ pub struct FewOfGrid {
     source: u32,
     /// Whether its opacity may be other than it is given as a whole.
     has_opacities: bool,
-    /// Those that are wanted.
-    pub points: std::ops::Range<usize>,
+    /// Whether all its points are shaded, not only those that are wanted.
+    is_whole: bool,
+    /// Its first point among all: as the shutter opens, whose bits say which are wanted, and as it is shaded. Count of all its points.
+    first: [usize; 2],
+    n_all: usize,
+    /// Count of those that are wanted, and where their opacities begin, if they are given.
+    pub n_wanted: usize,
+    opacities: usize,
 }
 
 impl FewOfGrid {
-    /// Its source, with the highest bit if its opacity is given as a whole.
-    pub fn named(&self) -> u32 {
-        self.source | u32::from(!self.has_opacities) << 31
+    /// Two rows as `point_colors.wgsl` has them, for results that begin at a place.
+    pub fn rows(&self, results: usize) -> [[u32; 4]; 2] {
+        self.rows_of(results, self.n, self.is_whole)
+    }
+
+    /// The same for the opacities that are given.
+    pub fn rows_of_opacities(&self) -> [[u32; 4]; 2] {
+        self.rows_of(self.opacities, self.n_wanted, false)
+    }
+
+    fn rows_of(&self, results: usize, n: usize, is_whole: bool) -> [[u32; 4]; 2] {
+        // The highest bit if its opacity is given as a whole.
+        let named = self.source | u32::from(!self.has_opacities) << 31;
+        let [bits, first] = self.first.map(|at| at as u32);
+        [[bits, self.n_all as u32, first, n as u32], [results as u32, named, u32::from(is_whole), 0]]
     }
 }
 
@@ -112,45 +129,46 @@ impl<'k> Few<'k> {
         batch: &mut Batch<'_>,
         mut later: Option<&mut Batch<'_>>,
     ) -> Result<(), Refusal> {
-        let (first, n) = (chosen.first, grid.points.n());
+        let (first, n) = (chosen.first, grid.n());
         self.wanted.clear();
         self.wanted.extend(set_of(wanted, first, n));
+        let view = frame.scene.view(grid.item);
         for moment in 0..=grid.fades.len() {
             let time = moment.checked_sub(1).map_or(0.0, |k| grid.fades[k]);
-            let chosen = Chosen { first: first + moment * n, ..chosen };
-            self.add_at(frame, grid, (chosen, time), batch, later.as_deref_mut())?;
+            let places = [first, first + moment * n];
+            self.add_at(frame, (grid, &view), (places, chosen.cap, time), batch, later.as_deref_mut())?;
         }
         Ok(())
     }
 
-    /// Add those of a time, whose places begin at one among all.
+    /// Add those of a time, whose places among all begin at the second; at the first, those whose bits say which are wanted.
     fn add_at(
         &mut self,
         frame: &Frame<'_>,
-        grid: &Diced,
-        (Chosen { first, cap, .. }, time): (Chosen, f32),
+        (grid, view): (&Diced, &ItemView<'_>),
+        (places @ [bits, first], cap, time): ([usize; 2], u32, f32),
         batch: &mut Batch<'_>,
         later: Option<&mut Batch<'_>>,
     ) -> Result<(), Refusal> {
-        let view = frame.scene.view(grid.item);
         let whole = view.attributes.reads_neighbours();
         let mut gathered = std::mem::take(&mut self.gathered);
-        if whole {
-            gathered = (*grid.points).clone();
-        } else {
-            gather(&grid.points, view.attached.n_uniform, &self.wanted, &mut gathered);
+        match (&grid.points, &grid.cap) {
+            (Some(points), _) if whole => gathered.clone_from(points),
+            (Some(points), _) => gather(points, view.attached.n_uniform, &self.wanted, &mut gathered),
+            (None, Some(cap)) => of_cap(cap.orientation, view, self.wanted.len(), &mut gathered),
+            (None, None) => {}
         }
         let points = &mut gathered;
-        let surface = Surface { item: grid.item, view: &view, reach: grid.reach, z: grid.z, time };
+        let surface = Surface { item: grid.item, view, reach: grid.reach, z: grid.z, time };
         let filled: &[Global] = match (&grid.cap, view.attributes.surface.program.global(Global::Ng)) {
             (None, _) => &[],
             (Some(_), None) => &OF_CAPS[..3],
             (Some(_), Some(_)) => &OF_CAPS,
         };
         let scene = if grid.cap.is_some() {
-            surface_globals(points, &view, frame.camera.eye, time);
+            surface_globals(points, view, frame.camera.eye, time);
             // The device knows how near the start of a ray nothing is met.
-            View::new(frame.scene, &frame.rays, grid.item, &view, [0.0; 2])
+            View::new(frame.scene, &frame.rays, grid.item, view, [0.0; 2])
         } else {
             prepare(frame, &surface, points)
         };
@@ -161,20 +179,24 @@ impl<'k> Few<'k> {
         let given = batch.n_filled();
         let (k, given_own) = add(batch, shader, points, &scene, (&own, filled))?;
         if grid.cap.is_some() {
-            let [n, listed] = [points.n(), self.listed.len()].map(|n| n as u32);
-            self.of_caps.push([cap, n, listed, given as u32]);
+            self.of_caps.push([cap, points.n() as u32, bits as u32, given as u32]);
             self.of_caps.push([given_own as u32, (filled.len() == OF_CAPS.len()) as u32, 0, 0]);
-            self.listed.extend_from_slice(&self.wanted);
         }
-        let (begin, n) = (self.points.len(), points.n());
-        let all = self.wanted.iter().enumerate();
-        self.points.extend(all.map(|(i, k)| (first as u32 + k, if whole { *k } else { i as u32 })));
-        let has_opacities = !view.attributes.keeps_opacity() || view.attached.opacity.is_some();
-        let (source, points_of) = (grid.item.source, begin..self.points.len());
-        self.grids.push(FewOfGrid { n, source, has_opacities, points: points_of });
-        self.note_given(frame, (grid.item, &grid.motion), first, (batch, k), &view, points);
+        self.n_points += self.wanted.len();
+        self.grids.push(FewOfGrid {
+            n: points.n(),
+            source: grid.item.source,
+            has_opacities: !view.attributes.keeps_opacity() || view.attached.opacity.is_some(),
+            is_whole: whole,
+            first: places,
+            n_all: grid.n(),
+            n_wanted: self.wanted.len(),
+            opacities: self.opacities.len(),
+        });
+        self.note_given(frame, (grid.item, &grid.motion), first, (batch, k), view, points);
         if let (Some(later), Some(shader)) = (later, &view.attributes.atmosphere) {
             // The surface's results come here.
+            let n = points.n();
             let found = |g: &Global| self.kernel.is_some_and(|kernel| offset_of(kernel, *g).is_some());
             let given = [Global::Ci, Global::Oi].into_iter().filter(found);
             given.for_each(|g| points.refill(g).resize(3 * n, 1.0));
@@ -197,14 +219,21 @@ impl<'k> Few<'k> {
         points: &Points,
     ) {
         let (Some(kernel), Some(grid)) = (self.kernel, self.grids.last()) else { return };
-        let own = &self.points[grid.points.clone()];
+        // Its place among those of its grid that are shaded.
+        let place = |(i, k): (usize, &u32)| if grid.is_whole { *k } else { i as u32 };
         if offset_of(kernel, Global::Oi).is_none() {
             let given = surface_opacity(points);
-            self.opacities.extend(own.iter().flat_map(|(_, at)| of_point(given, 3, grid.n, *at as usize)));
+            for c in 0..3 {
+                let of = |at: u32| if given.len() == 3 { given[c] } else { given[c * grid.n + at as usize] };
+                self.opacities.extend(self.wanted.iter().enumerate().map(|own| of(place(own))));
+            }
         }
         if !self.takes_outputs {
             return;
         }
+        let own: Vec<(u32, u32)> =
+            self.wanted.iter().enumerate().map(|own| (first as u32 + own.1, place(own))).collect();
+        let own = &own;
         let id = [frame.scene.id_of(item) as f32];
         for (place, aov) in placed(&frame.aovs) {
             let (width, name) = (aov.width(), aov.name.as_str());
@@ -252,6 +281,15 @@ impl<'k> Few<'k> {
         }
         runs
     }
+}
+
+/// Points of a sphere's cap: all that they have alike.
+fn of_cap(orientation: f32, view: &ItemView<'_>, n: usize, points: &mut Points) {
+    points.globals_mut().for_each(Vec::clear);
+    (points.nu, points.nv, points.orientation) = (n, 1, orientation);
+    points.footprints.clear();
+    view.fill_variables(points);
+    view.to_current(points);
 }
 
 /// What the device gives shaders of points that it dices.

@@ -26,13 +26,16 @@ use std::cmp::Ordering;
 pub struct Diced {
     /// The item that it is of.
     pub item: Item,
-    /// Its points, displaced; without P and N if the device dices it. They are large, and grids are sorted.
-    pub points: Box<Points>,
+    /// Count of its points along a row, and of rows.
+    pub size: [usize; 2],
+    /// Its points, displaced; none if the device dices it. They are large, and grids are sorted.
+    pub points: Option<Box<Points>>,
     /// What the device dices it of, if it does.
     pub cap: Option<Box<Cap>>,
     /// Raster x and y, pixels, and depth of each point, at each moment of the item; none if the device dices it.
     pub raster: Vec<Vec<[f32; 3]>>,
-    /// Of each span between two moments: the times from and until which it holds, when it begins, and one over its length, 0 if it has none.
+    /// Of each span between two moments: the times from and until which it holds, when it begins, and one over its length, 0 if it has none; none
+    /// where samples have no times.
     pub keys: Vec<[f32; 4]>,
     /// Its micropolygons, by their first points; none if the device dices it.
     pub micropolygons: Vec<u32>,
@@ -53,6 +56,8 @@ pub struct Diced {
 /// A tile of a sphere's cap that the device dices.
 pub struct Cap {
     pub tile: CapTile,
+    /// As [`Points::orientation`].
+    pub orientation: f32,
     /// From where the item stood as the shutter opened to camera space, at each moment of the item; none if that is the camera's own.
     pub to_camera: Vec<Mat4>,
 }
@@ -65,26 +70,31 @@ impl Cap {
 }
 
 impl Diced {
+    /// Count of its points.
+    pub fn n(&self) -> usize {
+        self.size[0] * self.size[1]
+    }
+
     /// Count of its micropolygons; of those that the device dices, some may not be there.
     pub fn n_micropolygons(&self) -> usize {
         match self.cap {
-            Some(_) => (self.points.nu - 1) * (self.points.nv - 1),
+            Some(_) => (self.size[0] - 1) * (self.size[1] - 1),
             None => self.micropolygons.len(),
         }
     }
 
     /// The first point of a micropolygon.
     pub fn first_of(&self, micropolygon: usize) -> usize {
-        let across = self.points.nu - 1;
+        let across = self.size[0] - 1;
         match self.cap {
-            Some(_) => micropolygon / across * self.points.nu + micropolygon % across,
+            Some(_) => micropolygon / across * self.size[0] + micropolygon % across,
             None => self.micropolygons[micropolygon] as usize,
         }
     }
 
     /// Count of its points, and of these as shaded again.
     pub fn n_shaded(&self) -> usize {
-        self.points.n() * (1 + self.fades.len())
+        self.n() * (1 + self.fades.len())
     }
 }
 
@@ -176,7 +186,7 @@ impl<'a> Front<'a> {
                 Some(next) => self.early.partition_point(|(turn, _)| turn.cmp(&next).is_lt()),
                 None => self.early.len(),
             };
-            let count = |some: &[(Turn, Diced)]| some.iter().map(|(_, grid)| grid.points.n()).sum::<usize>();
+            let count = |some: &[(Turn, Diced)]| some.iter().map(|(_, grid)| grid.n()).sum::<usize>();
             if count(&self.early[..end]) >= n_points || next.is_none() {
                 let early = self.early.split_off(end);
                 return std::mem::replace(&mut self.early, early).into_iter().map(|(_, grid)| grid).collect();
@@ -265,6 +275,13 @@ struct Taken<'a> {
     stats: Stats,
 }
 
+impl Taken<'_> {
+    /// The spans between the moments of the item, where samples have times.
+    fn keys(&self) -> Vec<[f32; 4]> {
+        if self.frame.jitter.moments.is_some() { keys(self.subject.instants) } else { vec![] }
+    }
+}
+
 impl Sink for Taken<'_> {
     fn shows(&mut self, bound: &RasterBound) -> bool {
         self.window.shows(bound)
@@ -279,10 +296,11 @@ impl Sink for Taken<'_> {
         let to_camera = if instants.len() > 1 { instants.iter().map(|at| at.to_camera).collect() } else { vec![] };
         let own = Diced {
             item,
-            points: Box::new(std::mem::take(&mut grid.points)),
-            cap: Some(Box::new(Cap { tile, to_camera })),
+            size: [grid.points.nu, grid.points.nv],
+            points: None,
+            cap: Some(Box::new(Cap { tile, orientation: grid.points.orientation, to_camera })),
             raster: vec![],
-            keys: keys(instants),
+            keys: self.keys(),
             micropolygons: vec![],
             side: 0.0,
             reach: 0.0,
@@ -317,10 +335,11 @@ impl Sink for Taken<'_> {
         let motion = if is_moved { self.raster.motion().collect() } else { vec![] };
         self.diced.push(Diced {
             item,
-            points: Box::new(std::mem::take(&mut grid.points)),
+            size: [grid.points.nu, grid.points.nv],
+            points: Some(Box::new(std::mem::take(&mut grid.points))),
             cap: None,
             raster: std::mem::take(&mut self.raster.at),
-            keys: keys(instants),
+            keys: self.keys(),
             micropolygons: std::mem::take(&mut self.raster.micropolygons),
             side,
             reach: grid.reach,

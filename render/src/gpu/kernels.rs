@@ -25,6 +25,7 @@ const PARTS: &[Part<'static>] = &[
     ("weights", include_str!("weights.wgsl")),
     ("blur_weights", include_str!("blur_weights.wgsl")),
     ("want", include_str!("want.wgsl")),
+    ("wanted", include_str!("wanted.wgsl")),
     ("within", include_str!("within.wgsl")),
     ("layered", include_str!("layered.wgsl")),
     ("layer_takes", include_str!("layer_takes.wgsl")),

@@ -88,7 +88,7 @@ impl<'a> Layers<'a> {
             let seen = frame.scene.attributes(grid.item).seen.map(f32::to_bits);
             let whole = frame.scene.shared_whole_of(grid.item).map_or(0, |whole| whole.wrapping_add(1));
             let rims = (0..4).map(|k| u32::from(grid.rims[k]) << k).sum();
-            rows.push([name_of(frame, grid.item), grid.points.n() as u32, grid.fades.len() as u32, whole]);
+            rows.push([name_of(frame, grid.item), grid.n() as u32, grid.fades.len() as u32, whole]);
             rows.push([seen[0], seen[1], point as u32, rims]);
             point += grid.n_shaded();
             let time = |some: &[f32], k: usize| some.get(k).map_or(0, |time| time.to_bits());
@@ -100,7 +100,7 @@ impl<'a> Layers<'a> {
         samples.upload(frame, grids, &firsts, false)
     }
 
-    /// Find the layers of the samples from one to before another, as ranges whose lists fit; and which points they need, a bit each.
+    /// Find the layers of the samples from one to before another, as ranges whose lists fit; and which points they need, a bit each, on the device and here.
     ///
     /// # Errors
     /// Those of [`Buffer::reserve`] and [`Device::check`].
@@ -108,7 +108,7 @@ impl<'a> Layers<'a> {
         &mut self,
         samples: &Samples<'_>,
         [first, end]: [usize; 2],
-    ) -> Result<(Vec<Range>, Vec<u32>), GpuError> {
+    ) -> Result<(Vec<Range>, Buffer<u32>, Vec<u32>), GpuError> {
         let n_layers = self.count(samples, [first, end])?;
         let mut ranges = vec![Range { first, end, n_layers }];
         if n_layers > self.most {
@@ -126,7 +126,8 @@ impl<'a> Layers<'a> {
             commands.dispatch(self.device, &self.kernels.layer_points, &bound, &[n as u32], groups(n, 256));
             commands.send(self.device)?;
         }
-        Ok((ranges, wanted.read(self.device, n_words)?))
+        let bits = wanted.read(self.device, n_words)?;
+        Ok((ranges, wanted, bits))
     }
 
     /// What kernels over micropolygons bind and are told, of the samples from one to before another.

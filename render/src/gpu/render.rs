@@ -9,6 +9,7 @@ use crate::drawn::Drawn;
 use crate::film::bucket::{Bucket, buckets};
 use crate::film::image::Image;
 use crate::gpu::front::{Diced, Front, Window};
+use crate::gpu::kept::Kept;
 use crate::gpu::kernels::FrameKernels;
 use crate::gpu::layers::Layers;
 use crate::gpu::limits::Limits;
@@ -35,6 +36,7 @@ pub struct Renderer {
     device: Device,
     kernels: Kernels,
     own: FrameKernels,
+    kept: Kept,
     /// How much of a frame is on the device at a time.
     pub limits: Limits,
 }
@@ -48,7 +50,7 @@ impl Renderer {
         let device = Device::open(choice)?;
         let kernels = Kernels::default();
         let own = FrameKernels::new(&device, &kernels)?;
-        Ok(Renderer { device, kernels, own, limits: Limits::default() })
+        Ok(Renderer { device, kernels, own, kept: Kept::default(), limits: Limits::default() })
     }
 
     /// The adapter.
@@ -65,6 +67,7 @@ impl Renderer {
     /// the same is not drawn.
     pub fn limit_memory(&mut self, bytes: u64) {
         self.limits = Limits::within(bytes);
+        self.kept = Kept::none();
         self.device.limit_memory(bytes);
     }
 
@@ -116,7 +119,7 @@ impl Renderer {
         self.device.settle()?;
         let (start, before) = (Instant::now(), self.device.traffic());
         let frame = Frame::new(scene, options, camera);
-        let mut shaders = Shaders::new(&self.device, &self.kernels, &self.own, self.limits.values)?;
+        let mut shaders = Shaders::new(&self.device, (&self.kernels, &self.own, &self.kept), self.limits.values)?;
         let layered: Vec<bool> = (0..scene.sources.len()).map(|k| is_layered(&frame, k)).collect();
         let needs = shaders.find(&frame, &layered)?;
         shaders.set_world(&world_of(&frame, needs, self.most_facets())?)?;
@@ -223,11 +226,11 @@ impl<'a> Drawing<'a> {
         let (columns, rows) = (width.div_ceil(across), height.div_ceil(down));
         let [w, h] = [across + 2 * margin[0], down + 2 * margin[1]];
         let (n_blocks, n_samples) = (w.div_ceil(BLOCK) * h.div_ceil(BLOCK), w * h * per_pixel(frame));
-        let Renderer { device, kernels, own, limits } = renderer;
+        let Renderer { device, kernels, own, kept, limits } = renderer;
         let has_layers = self.layered.iter().any(|is| *is);
         let layers = has_layers.then(|| Layers::new(device, kernels, frame, n_samples, limits.layers)).transpose()?;
         let outputs = Outputs::new(device, kernels, frame, n_samples)?;
-        let mut room = Room { samples: Samples::new(device, own, frame, w * h, n_blocks)?, layers, outputs };
+        let mut room = Room { samples: Samples::new(device, (own, kept), frame, w * h, n_blocks)?, layers, outputs };
         let start = Instant::now();
         let mut lists = items_of_buckets(frame, [across, down], [columns, rows]);
         self.stats.seconds.bound = start.elapsed().as_secs_f64();
@@ -244,6 +247,8 @@ impl<'a> Drawing<'a> {
         let [grids, micropolygons] = room.samples.caps.left_out(device)?;
         self.stats.grids_hidden += grids;
         self.stats.micropolygons -= micropolygons;
+        room.samples.keep(kept);
+        self.shaders.keep();
         Ok(())
     }
 
@@ -319,18 +324,20 @@ impl<'a> Drawing<'a> {
         if self.frame.options.keep_ids {
             self.note_identities(&samples.visible()?, 0, window, held);
         }
-        let wanted = samples.visible_points()?;
+        let (wanted, bits) = samples.visible_points()?;
         if let Some(outputs) = &mut *outputs {
             outputs.reserve(&self.renderer.device, samples.n_points)?;
         }
         let colors = samples.colors()?.clone();
-        let goal = Goal { colors: &colors, opacities: None, outputs: outputs.as_ref(), caps: &samples.caps };
-        self.shaders.shade(self.frame, held, &wanted, goal, &mut self.stats)?;
+        let outputs_of = outputs.as_ref();
+        let goal = Goal { colors: &colors, opacities: None, outputs: outputs_of, caps: &samples.caps, wanted: &wanted };
+        self.shaders.shade(self.frame, held, &bits, goal, &mut self.stats)?;
         if let Some(outputs) = &*outputs {
             outputs.set(samples)?;
         }
         samples.set_colors()?;
-        held.clear();
+        // There are many, with memory of their own.
+        held.par_drain(..).for_each(drop);
         self.stats.seconds.shade += start.elapsed().as_secs_f64();
         Ok(())
     }
@@ -391,7 +398,7 @@ impl<'a> Drawing<'a> {
         }
         let start = Instant::now();
         let [_, n] = samples.n();
-        let (ranges, wanted) = layers.find(samples, [part.first * n, part.end * n])?;
+        let (ranges, wanted, bits) = layers.find(samples, [part.first * n, part.end * n])?;
         self.stats.seconds.sample += start.elapsed().as_secs_f64();
         if ranges.is_empty() {
             return layers.compose(samples, &ranges, None).map_err(Refusal::from);
@@ -402,9 +409,14 @@ impl<'a> Drawing<'a> {
         }
         let colors = samples.colors()?.clone();
         let opacities = layers.opacities(samples.n_points)?.clone();
-        let goal =
-            Goal { colors: &colors, opacities: Some(&opacities), outputs: outputs.as_ref(), caps: &samples.caps };
-        self.shaders.shade(self.frame, held, &wanted, goal, &mut self.stats)?;
+        let goal = Goal {
+            colors: &colors,
+            opacities: Some(&opacities),
+            outputs: outputs.as_ref(),
+            caps: &samples.caps,
+            wanted: &wanted,
+        };
+        self.shaders.shade(self.frame, held, &bits, goal, &mut self.stats)?;
         layers.compose(samples, &ranges, outputs.as_mut())?;
         if self.frame.options.keep_ids {
             for range in &ranges {
@@ -424,15 +436,16 @@ impl<'a> Drawing<'a> {
         let of = |id: u32| {
             let micropolygon = (id / 2) as usize;
             let k = starts.partition_point(|start| *start <= micropolygon) - 1;
-            let (grid, nu) = (&held[k], held[k].points.nu);
+            let (grid, nu) = (&held[k], held[k].size[0]);
             let corner = grid.first_of(micropolygon - starts[k]);
             let corners = Micropolygon::new(0, corner, id & 1 == 1).corners(nu);
-            match &grid.cap {
-                Some(cap) => {
+            match (&grid.cap, &grid.points) {
+                (Some(cap), _) => {
                     let places = corners.into_iter().flat_map(|point| cap.tile.place(nu, point).to_array());
                     identity_of(grid.item, places.map(f32::to_bits))
                 }
-                None => identity(grid.item, &grid.points, corners),
+                (None, Some(points)) => identity(grid.item, points, corners),
+                (None, None) => 0,
             }
         };
         let [width, height] = window.size;
@@ -462,11 +475,16 @@ impl<'a> Drawing<'a> {
     fn finish(mut self) -> Result<Drawn, Refusal> {
         let (options, own) = (self.frame.options, self.buckets());
         let width = self.image.width;
-        let mut image = Image::new(width, self.image.height, self.frame.aovs.clone());
         let depth = self.frame.depth;
         self.shaders.report(self.frame.scene)?;
         self.settle()?;
         let start = Instant::now();
+        let n_drawn: usize = own.iter().map(|bucket| bucket.width * bucket.height).sum();
+        if options.imager.is_none() && n_drawn == self.image.pixels.len() {
+            // All of it is drawn, and nothing is left to do.
+            return Ok(Drawn { image: self.image, stats: self.stats, identities: self.identities });
+        }
+        let mut image = Image::new(width, self.image.height, self.frame.aovs.clone());
         let of_bucket = |bucket: &Bucket| {
             let rows = (bucket.y..bucket.y + bucket.height).map(|y| y * width + bucket.x);
             let mut pixels: Vec<[f32; 4]> =

@@ -6,8 +6,9 @@
 use crate::cpu::frame::Frame;
 use crate::cpu::samples::BLOCK;
 use crate::film::jitter::{Jitter, Moments, PERIOD};
-use crate::gpu::caps::{Added, Caps, DiceGoal, Placed};
+use crate::gpu::caps::{Caps, DiceGoal, Placed};
 use crate::gpu::front::{Diced, Window};
+use crate::gpu::kept::Kept;
 use crate::gpu::kernels::{FrameKernels, groups, staged};
 use gpu::{Bound, Buffer, Device, GpuError};
 
@@ -68,7 +69,7 @@ impl<'a> Samples<'a> {
     /// Those of [`Buffer::zeros`].
     pub fn new(
         device: &'a Device,
-        kernels: &'a FrameKernels,
+        (kernels, kept): (&'a FrameKernels, &Kept),
         frame: &Frame<'_>,
         n_pixels: usize,
         n_blocks: usize,
@@ -82,20 +83,33 @@ impl<'a> Samples<'a> {
             n,
             head: [0; 7],
             offsets: Buffer::of(device, "sample places", &places(&frame.jitter))?,
-            depth: Buffer::zeros(device, "sample depths", n)?,
-            before: Buffer::zeros(device, "earlier sample depths", n)?,
-            visible: Buffer::zeros(device, "visible micropolygons", n)?,
-            color: Buffer::zeros(device, "sample colours", n)?,
-            blocks: Buffer::zeros(device, "block depths", n_blocks)?,
-            points: Buffer::zeros(device, "raster points", 1)?,
-            micropolygons: Buffer::zeros(device, "micropolygons", 1)?,
+            depth: kept.take(device, "sample depths", n)?,
+            before: kept.take(device, "earlier sample depths", n)?,
+            visible: kept.take(device, "visible micropolygons", n)?,
+            color: kept.take(device, "sample colours", n)?,
+            blocks: kept.take(device, "block depths", n_blocks)?,
+            points: kept.take(device, "raster points", 1)?,
+            micropolygons: kept.take(device, "micropolygons", 1)?,
             n_points: 0,
             n_places: 0,
             n_micropolygons: 0,
-            caps: Caps::new(device, frame)?,
+            caps: Caps::new(device, kept, frame)?,
             blur: frame.jitter.moments.as_ref().map(|moments| Blur::new(device, frame, moments)).transpose()?,
-            colors: Buffer::zeros(device, "point colours", 1)?,
+            colors: kept.take(device, "point colours", 1)?,
         })
+    }
+
+    /// Keep the buffers for another frame.
+    pub fn keep(self, kept: &Kept) {
+        kept.give("sample depths", self.depth);
+        kept.give("earlier sample depths", self.before);
+        kept.give("visible micropolygons", self.visible);
+        kept.give("sample colours", self.color);
+        kept.give("block depths", self.blocks);
+        kept.give("raster points", self.points);
+        kept.give("micropolygons", self.micropolygons);
+        kept.give("point colours", self.colors);
+        self.caps.keep(kept);
     }
 
     /// Begin a window: nothing is there.
@@ -195,7 +209,7 @@ impl<'a> Samples<'a> {
         culls: bool,
     ) -> Result<(), GpuError> {
         let (mut points, mut micropolygons) = (Runs::default(), Runs::default());
-        let (mut tracks, mut caps) = (vec![], Added::default());
+        let (mut tracks, mut caps) = (vec![], vec![]);
         let mut n_points = self.n_points;
         let first_track = self.blur.as_ref().map_or(0, |blur| blur.n);
         for (k, grid) in grids.iter().enumerate() {
@@ -204,16 +218,16 @@ impl<'a> Samples<'a> {
             let flags =
                 [(a.smooth, SMOOTH), (a.matte, MATTE), (grid.side > 0.0, POSITIVE), (grid.side < 0.0, NEGATIVE)];
             let flags = flags.into_iter().fold(row, |all, (is, flag)| if is { all | flag } else { all });
-            let (first, nu, track) = (n_points as u32, grid.points.nu as u32, (first_track + tracks.len()) as u32);
+            let (first, nu, track) = (n_points as u32, grid.size[0] as u32, (first_track + tracks.len()) as u32);
             if self.blur.is_some() {
                 let place = (self.n_places + points.n) as u32;
-                tracks.extend([[first, place, grid.points.n() as u32, track + 2], [grid.keys.len() as u32, 0, 0, 0]]);
+                tracks.extend([[first, place, grid.n() as u32, track + 2], [grid.keys.len() as u32, 0, 0, 0]]);
                 tracks.extend(grid.keys.iter().map(|key| key.map(f32::to_bits)));
             }
             if let Some(cap) = &grid.cap {
                 let [place, micropolygon] = [self.n_places + points.n, self.n_micropolygons + micropolygons.n];
-                self.caps.note(&mut caps, grid, &Placed { place, micropolygon, point: n_points, flags, track });
-                points.skip(cap.n_moments() * grid.points.n());
+                caps.push(Placed { size: grid.size, cap, place, micropolygon, point: n_points, flags, track });
+                points.skip(cap.n_moments() * grid.n());
                 micropolygons.skip(grid.n_micropolygons());
             } else {
                 points.extend(grid.raster.iter().flatten().map(|[x, y, z]| [*x, *y, *z, 0.0]));
@@ -249,11 +263,11 @@ impl<'a> Samples<'a> {
         (bound, params)
     }
 
-    /// Which points of the micropolygons that wait are visible, a bit each.
+    /// Which points of the micropolygons that wait are visible, a bit each, on the device and here.
     ///
     /// # Errors
     /// Those of [`Buffer::zeros`] and [`Buffer::read`].
-    pub fn visible_points(&self) -> Result<Vec<u32>, GpuError> {
+    pub fn visible_points(&self) -> Result<(Buffer<u32>, Vec<u32>), GpuError> {
         let n_words = self.n_points.div_ceil(32);
         let wanted = Buffer::<u32>::zeros(self.device, "visible points", n_words)?;
         let mut commands = staged("shade");
@@ -261,7 +275,8 @@ impl<'a> Samples<'a> {
         let work = groups(self.n, 256);
         commands.dispatch(self.device, &self.kernels.visible_points, &bound, &[self.n as u32], work);
         commands.send(self.device)?;
-        wanted.read(self.device, n_words)
+        let bits = wanted.read(self.device, n_words)?;
+        Ok((wanted, bits))
     }
 
     /// Samples of the window, in all and of a pixel.

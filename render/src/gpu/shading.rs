@@ -5,6 +5,7 @@ use crate::cpu::view::View;
 use crate::gpu::caps::Caps;
 use crate::gpu::few::{Chosen, Few, count_of, offset_of};
 use crate::gpu::front::Diced;
+use crate::gpu::kept::Kept;
 use crate::gpu::kernels::{FrameKernels, groups, staged};
 use crate::gpu::outputs::Outputs;
 use crate::gpu::refusal::Refusal;
@@ -47,6 +48,8 @@ pub struct Goal<'a> {
     pub outputs: Option<&'a Outputs>,
     /// The tiles that the device dices.
     pub caps: &'a Caps,
+    /// The points that are wanted, a bit each.
+    pub wanted: &'a Buffer<u32>,
 }
 
 /// The shaders of a frame.
@@ -54,7 +57,10 @@ pub struct Shaders<'a> {
     device: &'a Device,
     kernels: &'a Kernels,
     own: &'a FrameKernels,
+    kept: &'a Kept,
     looks: Vec<Look>,
+    /// The looks of sources, as far as they are known.
+    of_source: Vec<Option<usize>>,
     /// What kernels read of the scene.
     world: Buffer<[u32; 4]>,
     /// What stands for opacities where these are not wanted.
@@ -70,13 +76,12 @@ impl<'a> Shaders<'a> {
     /// Those of [`Buffer::zeros`].
     pub fn new(
         device: &'a Device,
-        kernels: &'a Kernels,
-        own: &'a FrameKernels,
+        (kernels, own, kept): (&'a Kernels, &'a FrameKernels, &'a Kept),
         most_values: usize,
     ) -> Result<Shaders<'a>, GpuError> {
         let world = Buffer::zeros(device, "scene", 1)?;
         let nothing = Buffer::zeros(device, "no opacities", 1)?;
-        Ok(Shaders { device, kernels, own, looks: vec![], world, nothing, most_values })
+        Ok(Shaders { device, kernels, own, kept, looks: vec![], of_source: vec![], world, nothing, most_values })
     }
 
     /// Find kernels for all that the camera may see, of whose sources some become layers; whether any asks what stops light, and what closes
@@ -110,11 +115,28 @@ impl<'a> Shaders<'a> {
     /// # Errors
     /// Those of [`Buffer::of`].
     pub fn set_world(&mut self, rows: &[[u32; 4]]) -> Result<(), GpuError> {
-        self.world = Buffer::of(self.device, "scene", rows)?;
+        self.world = self.kept.filled(self.device, "scene", rows)?;
         Ok(())
     }
 
-    /// The index of what an item looks by.
+    /// Keep what kernels read of the scene for another frame: they read it no more.
+    pub fn keep(&self) {
+        self.kept.give("scene", self.world.clone());
+    }
+
+    /// The index of what an item looks by, which is that of its source.
+    fn look_of(&mut self, frame: &Frame<'_>, item: Item) -> Result<usize, Refusal> {
+        let source = item.source as usize;
+        if let Some(look) = self.of_source.get(source).copied().flatten() {
+            return Ok(look);
+        }
+        let look = self.look(frame, item, &frame.scene.view(item))?;
+        self.of_source.resize(self.of_source.len().max(source + 1), None);
+        self.of_source[source] = Some(look);
+        Ok(look)
+    }
+
+    /// The index of what an item of a view looks by.
     fn look(&mut self, frame: &Frame<'_>, item: Item, view: &ItemView<'_>) -> Result<usize, Refusal> {
         let a = view.attributes;
         if let Some(k) = self.looks.iter().position(|look| look.is_of(a)) {
@@ -204,9 +226,9 @@ impl<'a> Shaders<'a> {
         let mut by_look: Vec<Vec<Wanted>> = vec![];
         let (mut first, mut cap) = (0, 0);
         for (index, grid) in grids.iter().enumerate() {
-            let count = count_of(wanted, first, grid.points.n());
+            let count = count_of(wanted, first, grid.n());
             if count > 0 {
-                let look = self.look(frame, grid.item, &frame.scene.view(grid.item))?;
+                let look = self.look_of(frame, grid.item)?;
                 by_look.resize_with(by_look.len().max(look + 1), Vec::new);
                 by_look[look].push(Wanted { chosen: Chosen { index, first, cap }, count });
             }
@@ -230,10 +252,10 @@ impl<'a> Shaders<'a> {
         const GRID: usize = 64;
         const POINT: usize = 12;
         let numbers = |one: &Wanted| {
-            let points = &grids[one.chosen.index].points;
-            let all: usize = points.variables().iter().map(Vec::len).sum();
-            let times = 1 + grids[one.chosen.index].fades.len();
-            times * (GRID + one.count * (POINT + all.div_ceil(points.n())))
+            let grid = &grids[one.chosen.index];
+            let of_points = grid.points.iter().flat_map(|points| points.variables());
+            let all: usize = of_points.map(Vec::len).sum();
+            (1 + grid.fades.len()) * (GRID + one.count * (POINT + all.div_ceil(grid.n())))
         };
         let sums = own.iter().scan(0, |sum, one| {
             *sum += numbers(one);
@@ -262,7 +284,7 @@ impl<'a> Shaders<'a> {
         let status = [status(&look.kernel)?, status(look.through.as_ref().unwrap_or(&look.kernel))?];
         for part in parts {
             let part = part?;
-            stats.shaded_points += part.few.points.len() as u64;
+            stats.shaded_points += part.few.n_points as u64;
             self.run_part(frame, look, &part, goal, &status)?;
         }
         for (kernel, status) in [Some(&look.kernel), look.through.as_ref()].into_iter().zip(&status) {
@@ -284,7 +306,7 @@ impl<'a> Shaders<'a> {
         status: &[Buffer<u32>; 2],
     ) -> Result<(), Refusal> {
         let Prepared { batch, later, few } = part;
-        let results = self.dispatch(frame, (&look.kernel, batch), Before::Caps(few, goal.caps), &status[0])?;
+        let results = self.dispatch(frame, (&look.kernel, batch), Before::Caps(few, goal), &status[0])?;
         self.take_given(few, look, goal)?;
         self.take(&look.kernel, batch, few, &results, (look, 0), goal)?;
         if let Some(outputs) = goal.outputs {
@@ -298,6 +320,7 @@ impl<'a> Shaders<'a> {
             let passed = self.dispatch(frame, (kernel, later), Before::Surface(&results, &runs), &status[1])?;
             self.take(kernel, later, few, &passed, (look, 1), goal)?;
         }
+        self.kept.give("results", results);
         Ok(())
     }
 
@@ -311,20 +334,22 @@ impl<'a> Shaders<'a> {
     ) -> Result<Buffer<f32>, Refusal> {
         let device = self.device;
         let compiled = self.kernels.get(device, "shader", &kernel.text, &[])?;
+        // Kernels ask for its length.
         let groups_of = Buffer::of(device, "groups", &batch.groups)?;
-        let grids = Buffer::of(device, "grids", &batch.grids)?;
-        let slots = Buffer::of(device, "slots", &batch.slots)?;
-        let lights = Buffer::of(device, "lights", &batch.lights)?;
-        let values = Buffer::zeros(device, "values", batch.n_values())?;
+        let kept = self.kept;
+        let grids = kept.filled(device, "grids", &batch.grids)?;
+        let slots = kept.filled(device, "slots", &batch.slots)?;
+        let lights = kept.filled(device, "lights", &batch.lights)?;
+        let values = kept.take(device, "values", batch.n_values())?;
         values.write(device, &batch.values);
-        let results = Buffer::<f32>::zeros(device, "results", batch.n_results())?;
+        let results = kept.take(device, "results", batch.n_results())?;
         let mut commands = staged("shade");
         match before {
-            Before::Caps(few, caps) if !few.listed.is_empty() => {
-                let given = Buffer::of(device, "shaded caps", &few.of_caps)?;
-                let listed = Buffer::of(device, "shaded points of caps", &few.listed)?;
+            Before::Caps(few, goal) if !few.of_caps.is_empty() => {
+                let given = kept.filled(device, "shaded caps", &few.of_caps)?;
                 let n = few.of_caps.len() / 2;
-                caps.give(device, self.own, frame, &mut commands, (&given, &listed, &values), n);
+                goal.caps.give(device, self.own, frame, &mut commands, (&given, goal.wanted, &values), n);
+                kept.give("shaded caps", given);
             }
             Before::Caps(..) => {}
             Before::Surface(found, runs) => {
@@ -341,6 +366,10 @@ impl<'a> Shaders<'a> {
         }
         commands.dispatch(device, &compiled, &bound, &[], Work::Groups(batch.groups.len() as u32));
         commands.send(device)?;
+        kept.give("grids", grids);
+        kept.give("slots", slots);
+        kept.give("lights", lights);
+        kept.give("values", values);
         Ok(results)
     }
 
@@ -358,12 +387,7 @@ impl<'a> Shaders<'a> {
         if [color, opacity] == [u32::MAX; 2] {
             return Ok(());
         }
-        let mut rows = Vec::with_capacity(few.points.len());
-        for (k, grid) in few.grids.iter().enumerate() {
-            let first = batch.results_of(k) as u32;
-            let own = few.points[grid.points.clone()].iter();
-            rows.extend(own.map(|(point, at)| [*point, first + at, grid.n as u32, grid.named()]));
-        }
+        let rows: Vec<_> = few.grids.iter().enumerate().flat_map(|(k, grid)| grid.rows(batch.results_of(k))).collect();
         self.put(&rows, results, [color, opacity], (look, index), goal)
     }
 
@@ -372,15 +396,12 @@ impl<'a> Shaders<'a> {
         if goal.opacities.is_none() || offset_of(&look.kernel, Global::Oi).is_some() {
             return Ok(());
         }
-        let grids =
-            few.grids.iter().flat_map(|grid| few.points[grid.points.clone()].iter().map(move |own| (own.0, grid)));
-        let rows: Vec<[u32; 4]> =
-            grids.enumerate().map(|(k, (point, grid))| [point, 3 * k as u32, 1, grid.named()]).collect();
+        let rows: Vec<_> = few.grids.iter().flat_map(|grid| grid.rows_of_opacities()).collect();
         let given = Buffer::of(self.device, "given opacities", &few.opacities)?;
         self.put(&rows, &given, [u32::MAX, 0], (look, 0), goal)
     }
 
-    /// Put colours and opacities among those of all points.
+    /// Put colours and opacities among those of all points; two rows a grid.
     fn put(
         &self,
         rows: &[[u32; 4]],
@@ -389,16 +410,18 @@ impl<'a> Shaders<'a> {
         (look, index): (&Look, u32),
         goal: Goal<'_>,
     ) -> Result<(), GpuError> {
-        let n = rows.len();
-        let rows = Buffer::of(self.device, "shaded points", rows)?;
+        let n = rows.len() / 2;
+        let rows = self.kept.filled(self.device, "shaded grids", rows)?;
         let changes = |kernel: &Kernel| offset_of(kernel, Global::Oi).is_some();
         let is_last = index == 1 || !look.through.as_ref().is_some_and(changes);
         let params = [n as u32, color, opacity, goal.opacities.is_some() as u32, index, is_last as u32];
         let opacities = goal.opacities.unwrap_or(&self.nothing);
-        let bound = [rows.bind(), results.bind(), goal.colors.bind(), opacities.bind(), look.lost.bind()];
+        let bound =
+            [rows.bind(), goal.wanted.bind(), results.bind(), goal.colors.bind(), opacities.bind(), look.lost.bind()];
         let mut commands = staged("shade");
-        commands.dispatch(self.device, &self.own.point_colors, &bound, &params, groups(n, 256));
+        commands.dispatch(self.device, &self.own.point_colors, &bound, &params, groups(n, 1));
         commands.send(self.device)?;
+        self.kept.give("shaded grids", rows);
         Ok(())
     }
 
@@ -426,7 +449,7 @@ struct Wanted {
 /// What goes to values before a kernel runs.
 enum Before<'a> {
     /// Points of tiles that the device dices.
-    Caps(&'a Few<'a>, &'a Caps),
+    Caps(&'a Few<'a>, Goal<'a>),
     /// What a surface's kernel has found, by runs.
     Surface(&'a Buffer<f32>, &'a [[u32; 4]]),
 }
