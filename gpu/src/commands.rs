@@ -153,12 +153,7 @@ impl Commands {
 
     /// Encode all commands for a submission that is to come, while the device is at others.
     pub fn prepare(&self, device: &Device) -> Prepared {
-        Commands::prepare_all(device, [self])
-    }
-
-    /// The same of several lists, any of them several times.
-    pub fn prepare_all<'a>(device: &Device, lists: impl IntoIterator<Item = &'a Commands>) -> Prepared {
-        Prepared::new(device, lists)
+        Prepared::new(device, [self])
     }
 
     /// Submit all commands as [`Commands::submit`] does, whose times [`Device::settle`] takes.

@@ -511,18 +511,13 @@ impl Gpu {
             self.solve.problem.gamma.write(&self.device, impulses);
         }
         let is_landing = self.is_landing && self.solve.may_land();
-        let ahead = self.recorded.ahead_of_solve.take().filter(|ahead| ahead.0 == self.is_landing);
         let Solving { start, solve, measure, .. } = self.solving();
-        let (start, first) = match ahead {
-            Some((_, start, first)) => (start, first),
-            None => (start.prepare(&self.device), None),
-        };
         times.stages.push(start.submit(&self.device)?);
         if self.solve.asks(is_landing) && self.solve.has_undone(&self.device)? {
             self.is_landing = !is_landing;
             return Ok(Submitted::Again);
         }
-        let rounds = self.solve.submit(&self.device, (solve, is_landing), first, times)?;
+        let rounds = self.solve.submit(&self.device, (solve, is_landing), times)?;
         if self.mechanism.as_ref().is_some_and(Mechanism::has_limits) {
             times.stages.push(measure.submit(&self.device)?);
         }
@@ -543,7 +538,8 @@ impl Gpu {
         let Solving { end, recovery, .. } = self.solving();
         let end = if state.steps.is_multiple_of(self.recorded.period) { recovery } else { end };
         times.stages.push(end.submit(&self.device)?);
-        self.encode_ahead();
+        // While the device is at this step, the next one is encoded.
+        self.recorded.ahead = Some(self.recorded.prepare(&self.device, self.holding.is_likely(2.0)));
         Ok(Submitted::Done(rounds))
     }
 

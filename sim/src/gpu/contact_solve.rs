@@ -26,7 +26,7 @@ use super::{force, jacobi, scale};
 use crate::model::Model;
 use crate::plan::has_joints;
 use crate::settings::{FrictionLaw, Method, SolverSettings};
-use gpu::{Buffer, Commands, Device, GpuError, Kernels, Prepared, ReadBack, Timings};
+use gpu::{Buffer, Commands, Device, GpuError, Kernels, ReadBack, Timings};
 use std::time::Instant;
 
 /// Name of the stage.
@@ -73,12 +73,6 @@ pub struct Recorded {
     first: Commands,
     again: Commands,
     measure: Commands,
-}
-
-/// The first iterations of a step, encoded.
-pub struct First {
-    n: u32,
-    commands: Prepared,
 }
 
 /// The columns of a method.
@@ -246,20 +240,19 @@ impl ContactSolve {
         &self,
         device: &Device,
         (solve, is_landing): (&Recorded, bool),
-        first: Option<First>,
         times: &mut Submissions,
     ) -> Result<Option<Rounds>, GpuError> {
         let n = if self.asks(is_landing) { self.problem.n_contacts.read(device)? } else { 1 };
         let blocks = if self.problem.layout.rolls { 2 * n } else { n };
         let most = if n == 0 { 0 } else { self.settings.max_iterations(blocks) };
         let Some(exact) = self.rounds(is_landing) else {
-            self.submit_iterations(device, solve, (most, most), first, times)?;
+            self.submit_iterations(device, solve, (most, most), times)?;
             if solve.closing.is_some() {
                 for _ in 1..SolverSettings::BEYOND {
                     if !self.goes_on(device)? {
                         break;
                     }
-                    self.submit_iterations(device, solve, (most, 1), None, times)?;
+                    self.submit_iterations(device, solve, (most, 1), times)?;
                 }
             }
             return Ok(None);
@@ -270,7 +263,7 @@ impl ContactSolve {
             exact.place_limit(device, own);
             let begin = if round == 0 { &solve.first } else { &solve.again };
             times.stages.push(begin.submit(device)?);
-            self.submit_iterations(device, solve, (own, own), None, times)?;
+            self.submit_iterations(device, solve, (own, own), times)?;
             times.stages.push(solve.measure.submit(device)?);
             let scalars = self.problem.scalars.read(device, 1)?[0];
             let residual = f32::from_bits(scalars[RESIDUAL]) as f64;
@@ -281,42 +274,22 @@ impl ContactSolve {
         Ok(Some(rounds))
     }
 
-    /// Encode the first iterations of a step, as many as the last one has taken or a part of those that there may be; none where their number is not
-    /// known before the contacts are.
-    pub fn prepare(&self, device: &Device, solve: &Recorded, is_landing: bool) -> Option<First> {
-        if self.asks(is_landing) {
-            return None;
-        }
-        let most = self.settings.max_iterations(1);
-        let n = self.expected(solve).unwrap_or(PART).min(PART).min(most);
-        Some(First { n, commands: Commands::prepare_all(device, solve.lists(0, n, most)) })
-    }
-
-    /// Submit the most iterations, unless the solve ends before; from the `last` of the settings on it is decided whether there are more. The first may
-    /// have been encoded.
+    /// Submit the most iterations, unless the solve ends before; from the `last` of the settings on it is decided whether there are more.
     fn submit_iterations(
         &self,
         device: &Device,
         solve: &Recorded,
         (most, last): (u32, u32),
-        first: Option<First>,
         times: &mut Submissions,
     ) -> Result<(), GpuError> {
-        let mut done = 0;
-        if let Some(first) = first {
-            times.iterations.push(first.commands.submit(device)?.unobserved());
-            done = first.n;
-        }
         let mut submit = |done: u32, end: u32| -> Result<(), GpuError> {
             times.iterations.push(Commands::submit_all(device, solve.lists(done, end, last))?.unobserved());
             Ok(())
         };
         // As many as the last step has taken, to begin with: those of a solve that has ended take their time, too.
-        if let Some(expected) = self.expected(solve) {
-            if done == 0 {
-                done = expected.min(PART).min(most);
-                submit(0, done)?;
-            }
+        let mut done = self.expected(solve).map_or(0, |n| n.min(PART).min(most));
+        if done > 0 {
+            submit(0, done)?;
             if done < most && !self.goes_on(device)? {
                 return Ok(());
             }

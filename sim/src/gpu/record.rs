@@ -22,18 +22,8 @@ impl Gpu {
         let landing = if self.solve.may_land() { Some(self.record_solving(model, period, true)?) } else { None };
         // What has made the step anew may have changed what pairs there are.
         self.holding.forget();
-        self.recorded = Recorded { find, held, ahead: None, ahead_of_solve: None, own, landing, period };
+        self.recorded = Recorded { find, held, ahead: None, own, landing, period };
         Ok(())
-    }
-
-    /// Encode the next step, while the device is at this one.
-    pub(super) fn encode_ahead(&mut self) {
-        let is_landing = self.is_landing && self.solve.may_land();
-        let Solving { start, solve, .. } = self.solving();
-        let first = self.solve.prepare(&self.device, solve, is_landing);
-        let ahead_of_solve = Some((self.is_landing, start.prepare(&self.device), first));
-        self.recorded.ahead = Some(self.recorded.prepare(&self.device, self.holding.is_likely(2.0)));
-        self.recorded.ahead_of_solve = ahead_of_solve;
     }
 
     /// Record the stages up to the contacts with their starting point, for pairs that hold or any.

@@ -1,6 +1,6 @@
 //! The recorded commands of a step, and those of the next that are encoded ahead.
 
-use super::contact_solve::{self, First};
+use super::contact_solve;
 use gpu::{Commands, Device, Prepared};
 
 /// The recorded commands of a step.
@@ -11,8 +11,6 @@ pub struct Recorded {
     pub held: Option<Commands>,
     /// The one or, if so told, the other, encoded for the next step.
     pub ahead: Option<(bool, Prepared)>,
-    /// What follows, encoded for the next step, by the method or, if so told, what takes over from it.
-    pub ahead_of_solve: Option<(bool, Prepared, Option<First>)>,
     /// What follows by the method, and by Gauss–Seidel where it may take over.
     pub own: Solving,
     pub landing: Option<Solving>,
@@ -35,7 +33,7 @@ pub struct Solving {
 impl Recorded {
     pub fn empty() -> Recorded {
         let (find, own) = (Commands::new(), Solving::default());
-        Recorded { find, held: None, ahead: None, ahead_of_solve: None, own, landing: None, period: 1 }
+        Recorded { find, held: None, ahead: None, own, landing: None, period: 1 }
     }
 
     /// Encode the stages up to the contacts, for pairs that hold if it is likely and there are commands for these. Returns whether it is so.
