@@ -1,7 +1,8 @@
 //! Collision on a device: the stages from `bounds` to `contact_write`, recorded once and submitted for every step.
 //!
 //! Pairs hold while no sphere has left its fat box: the stages of the broad phase then have nothing to do, as their counts on the device
-//! say, and are left out where the host expects it. If there are more pairs than room, there are none at all, and the stages are run again with more room; no pair is dropped.
+//! say, and are left out where the host expects it. If there are more pairs than room, there are none at all, and the stages are run again with
+//! more room; no pair is dropped.
 
 pub mod given;
 

@@ -6,10 +6,10 @@
 //! in     row       [n_contacts]
 //! inout  gamma     [n_contacts]  N s, world
 //! inout  motion    [n_bodies]    m/s, rad/s
-//! Kernels: tile_start.wgsl, tile_order.wgsl, tile_visits.wgsl, tile_sweep.wgsl, rest_sweep.wgsl and tile_end.wgsl for spheres, visit_write.wgsl, tile_manifolds.wgsl and rest_manifolds.wgsl for
-//! shapes of any kind, joint_response.wgsl, tile_decide.wgsl, closing.wgsl and closing_decide.wgsl. Twin: cpu/solve/sweeps.rs, whose iteration is
-//! one sweep; here it is one pass over the contacts in memory. Where a gap still closes too fast, all tiles are swept again, not those alone in
-//! which one does.
+//! Kernels: tile_start.wgsl, tile_order.wgsl, tile_visits.wgsl, tile_sweep.wgsl, rest_sweep.wgsl and tile_end.wgsl for spheres, visit_write.wgsl,
+//! tile_manifolds.wgsl and rest_manifolds.wgsl for shapes of any kind, joint_response.wgsl, tile_decide.wgsl, closing.wgsl and
+//! closing_decide.wgsl. Twin: cpu/solve/sweeps.rs, whose iteration is one sweep; here it is one pass over the contacts in memory. Where a gap
+//! still closes too fast, all tiles are swept again, not those alone in which one does.
 //!
 //! Bytes of a contact and iteration: of spheres its visit (48), its impulse read and written (32): 80 from memory, in the order in which they are
 //! visited; of any shapes its row (64), its impulse read and written (32), its row of visits (16), and a share of its pair (20 of a pair): 117 where a

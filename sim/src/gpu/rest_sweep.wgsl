@@ -1,5 +1,5 @@
-// Gauss–Seidel over the contacts of big tiles and of pairs in no tile, one tile after the other, by one workgroup on the columns in memory; and, where no joints follow,
-// whether another iteration does.
+// Gauss–Seidel over the contacts of big tiles and of pairs in no tile, one tile after the other, by one workgroup on the columns in memory;
+// and, where no joints follow, whether another iteration does.
 // in    rows         [n_contacts]
 // in    touching     [n_contacts]  the pair of each contact
 // in    place        [n_pairs + 1] number of contacts of the pairs before each pair
