@@ -218,3 +218,21 @@ fn a_default_surface_that_does_not_compile_is_a_fault_of_the_file() {
     let errors = said(&broken, "WorldBegin Sphere 1 -1 1 360 WorldEnd").fails(3);
     assert!(errors.contains("defaultsurface.sl:1:33: unknown variable `nothing`"), "{errors}");
 }
+
+/// A `Perspective` before `Projection` would be part of the transformation of the screen, which is not followed there. Without one it is the projection.
+#[test]
+fn a_perspective_before_the_projection_is_said() {
+    let scene = |camera: &str| {
+        let rest = "Translate 0 0 5 WorldBegin Sphere 1 -1 1 360 WorldEnd";
+        said(&[], &format!("Display \"t.png\" \"file\" \"rgba\"\n{camera}\n{rest}\n")).errors()
+    };
+    for projection in ["orthographic", "perspective"] {
+        let both = scene(&format!("Perspective 90\nProjection \"{projection}\""));
+        assert!(both.contains("t.rib:3:1: the `Perspective` before `Projection` is passed over"), "{both}");
+    }
+    for alone in
+        ["Perspective 90", "Projection \"perspective\"", "Projection \"perspective\" Projection \"perspective\""]
+    {
+        assert!(!scene(alone).contains("passed over"), "{alone}");
+    }
+}

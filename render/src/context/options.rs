@@ -72,6 +72,8 @@ impl Context {
 
     /// The projection; it starts the camera's transformation.
     pub(super) fn set_projection(&mut self, name: &str, params: Params) -> RiResult {
+        // A projection of its own gives an angle, too, but is one.
+        let has_perspective = self.options.fov.is_some() && !self.options.projected;
         match name {
             "perspective" => {
                 let fov = params
@@ -89,6 +91,9 @@ impl Context {
             }
         }
         self.say_unused("projection", params.iter().filter(|p| p.decl.name != "fov"));
+        if has_perspective {
+            self.scene.warn("the `Perspective` before `Projection` is passed over".into());
+        }
         // The projection comes after what was current, which is then a transformation of screen space, and starts the camera's own
         // (RISpec 4.1.1).
         let m = if self.options.projected { Mat4::IDENTITY } else { self.transform };
