@@ -62,7 +62,7 @@ pub fn read_gray(path: &Path) -> Result<Option<Gray>, String> {
     Ok(gray.filter(|gray| gray.values.len() == gray.width.saturating_mul(gray.height)))
 }
 
-/// Whether so many pixels of floats, and what they are decoded from, find room.
+/// Check that there is room for an image of floats and what it is decoded from.
 fn fits(width: usize, height: usize, room: u64) -> Result<(), String> {
     let bytes = (width as u64).saturating_mul(height as u64).saturating_mul(16);
     if bytes <= room { Ok(()) } else { Err(format!("has {width}×{height} pixels: {}", memory::Full)) }

@@ -18,7 +18,7 @@ impl Kept {
         Kept { is_off: true, ..Kept::default() }
     }
 
-    /// A buffer of a name with room for so many rows, which hold anything: one that is kept, or a new one.
+    /// A buffer of a name with room for a number of rows, which hold anything: one that is kept, or a new one.
     ///
     /// # Errors
     /// Those of [`Buffer::zeros`].

@@ -20,7 +20,7 @@ impl Gpu {
         let held = if self.before.from == Stage::Bounds { Some(self.record_find(model, plan, true)) } else { None };
         let own = self.record_solving(model, period, false)?;
         let landing = if self.solve.may_land() { Some(self.record_solving(model, period, true)?) } else { None };
-        // What has made the step anew may have changed what pairs there are.
+        // A step is recorded again where there may be other pairs.
         self.holding.forget();
         self.recorded = Recorded { find, held, ahead: None, own, landing, period };
         Ok(())
