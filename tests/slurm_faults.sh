@@ -33,9 +33,11 @@ bodies:
 MODEL
 picture=(--res 400x225 --samples 4)
 
+# Wait until the queue is empty. Slurm misses a task whose end was lost with the controller when the node reports its jobs again, up to
+# 200 s later (each twentieth ping; a ping each third of SlurmdTimeout): six minutes, then.
 drain() {
-    local _
-    for _ in $(seq 1200); do
+    local since=$SECONDS
+    while [ $((SECONDS - since)) -lt 360 ]; do
         [ -z "$(squeue -h 2>/dev/null || echo asking)" ] && return 0
         sleep 0.1
     done

@@ -7,12 +7,13 @@
 set -euo pipefail
 verb=$1 folder=$(realpath -m "$2")
 
+# Stop a daemon. It has a minute to write down its state: what is killed before forgets which tasks run.
 stop() {
     local pid
     [ -f "$1" ] || return 0
     pid=$(cat "$1")
     kill "$pid" 2>/dev/null || return 0
-    for _ in $(seq 100); do
+    for _ in $(seq 600); do
         kill -0 "$pid" 2>/dev/null || return 0
         sleep 0.1
     done
