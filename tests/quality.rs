@@ -126,6 +126,35 @@ fn a_high_wall_of_small_bricks_rests_and_a_slope_does_not_hold_what_slides() {
     assert!((way / expected - 1.0).abs() < 0.1, "{way} m of {expected}");
 }
 
+/// A column of eight boxes, and a wall, that begin with gaps and fall on each other: slow bodies are swept until they are solved.
+#[test]
+fn what_has_fallen_on_each_other_comes_to_rest() {
+    let column =
+        (0..8).map(|k| ([0.006 * f64::from(k % 3), 0.004 * f64::from(k % 2), 0.13 + 0.22 * f64::from(k)], [0.15; 3]));
+    let wall = (0..66).map(|k: u32| {
+        let (row, column) = (k / 6, f64::from(k % 6) + 0.5 * f64::from(k / 6 % 2));
+        ([0.252 * column, 0.0, 0.052 + 0.102 * f64::from(row)], [0.25, 0.12, 0.1])
+    });
+    for (what, boxes) in [("column", column.collect::<Vec<_>>()), ("wall", wall.collect())] {
+        let bodies: String = (boxes.iter().enumerate())
+            .map(|(k, (at, size))| {
+                format!("  - {{name: b{k}, material: m, position: {at:?}, box: {{size: {size:?}}}}}\n")
+            })
+            .collect();
+        let mut sim = simulation(&format!(
+            "quality: normal
+materials: {{m: {{density: 2000, friction: 0.5}}}}
+bodies:
+  - {{name: ground, material: m, plane: {{normal: [0, 0, 1]}}}}
+{bodies}"
+        ));
+        while sim.state.time < 5.0 {
+            sim.step();
+        }
+        assert!(mean_speed(&sim) < 3e-5, "{what}: {} m/s", mean_speed(&sim));
+    }
+}
+
 /// Straight columns of ten spheres, as on the sites of a lattice, that fall on each other: sweeps go on until such a step has converged.
 #[test]
 fn columns_of_spheres_that_fall_converge() {

@@ -93,6 +93,10 @@ pub struct SolverSettings {
     /// leave more, as where something lands; if not given, they do not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub overlap_tolerance: Option<f64>,
+    /// Residual of the contacts of slow bodies, in the root mean square over a tile of them, m/s: sweeps of Gauss–Seidel over the tile go on beyond
+    /// `iterations`, up to four times as many, while it is greater, so that what stands comes to rest; if not given, they do not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub settling_tolerance: Option<f64>,
     /// Maximum number of iterations, of `apgd`, of a step in which no contact has an impulse to start from, as the first one of a model
     /// whose bodies stand on each other; if not given, `iterations`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -139,6 +143,7 @@ impl Default for SolverSettings {
             impacts: Impacts::Simultaneous,
             iterations: None,
             overlap_tolerance: None,
+            settling_tolerance: None,
             start_iterations: None,
             sweep_landings: true,
             tolerance: 1e-7,

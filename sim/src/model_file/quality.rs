@@ -20,6 +20,9 @@ const FALLS: f64 = 15.0;
 /// Speed below which bodies of any shape come to rest, over g h: what slows them there is at most a quarter of this share of their weight.
 const RESTS: f64 = 2e-3;
 
+/// Residual of slow bodies of any shape to which they are swept, over g h: a sixteenth of what comes to rest.
+const SETTLES: f64 = RESTS / 16.0;
+
 /// The half length of what moves where it has no shape, at most, m.
 const UNKNOWN: f64 = 0.1;
 /// Sweeps over spheres at normal quality.
@@ -52,6 +55,8 @@ struct Choice {
     start_iterations: Option<u32>,
     /// Overlap that a step may add, over r.
     overlap: Option<f64>,
+    /// Whether slow bodies are swept on.
+    settles: bool,
     tolerance: f64,
     omega: Option<f64>,
     /// Greatest speed of recovery over √(g r).
@@ -78,6 +83,7 @@ impl Choice {
                 iterations: Some(count(10, NORMAL_SWEEPS, 60)),
                 start_iterations: None,
                 overlap: Some(level(1e-3, NORMAL_OVERLAP, NORMAL_OVERLAP)),
+                settles: false,
                 tolerance: level(1e-7, 1e-8, 1e-9),
                 omega: Some(level(NORMAL_OMEGA, NORMAL_OMEGA, 1.0)),
                 recovery: Some(0.035),
@@ -91,6 +97,7 @@ impl Choice {
                 iterations: Some(count(15, 15, 40)),
                 start_iterations: Some(count(2000, 2000, 4000)),
                 overlap: None,
+                settles: quality != Draft,
                 tolerance: 1e-9,
                 omega: Some(1.3),
                 recovery: None,
@@ -104,6 +111,7 @@ impl Choice {
                 iterations: None,
                 start_iterations: None,
                 overlap: None,
+                settles: false,
                 tolerance: level(1e-6, 1e-7, 1e-8),
                 omega: None,
                 recovery: None,
@@ -183,6 +191,7 @@ impl Quality {
             iterations: choice.iterations,
             start_iterations: choice.start_iterations,
             overlap_tolerance: choice.overlap.map(|overlap| overlap * radius),
+            settling_tolerance: choice.settles.then_some(SETTLES * model.gravity.length() * step),
             tolerance: choice.tolerance,
             omega: choice.omega,
             recovery_speed: choice.recovery.map_or(open.recovery_speed, |share| share * (gravity * radius).sqrt()),
@@ -215,8 +224,9 @@ impl ModelFile {
             own.iterations = if fill("iterations") { chosen.iterations } else { own.iterations };
             own.omega = if fill("omega") { chosen.omega } else { own.omega };
             // Iterations that are given are the most.
-            if fill("iterations") && fill("overlap_tolerance") {
-                own.overlap_tolerance = chosen.overlap_tolerance;
+            if fill("iterations") {
+                own.overlap_tolerance = own.overlap_tolerance.or(chosen.overlap_tolerance);
+                own.settling_tolerance = own.settling_tolerance.or(chosen.settling_tolerance);
             }
         }
         macro_rules! fill {
@@ -229,9 +239,15 @@ impl ModelFile {
         fill!(friction, start_iterations, tolerance, recovery_speed, rest_gap, rest_speed, envelope, recycle);
         if is_open("step") {
             self.step = step;
-        } else if is_open("solver.rest_speed") {
-            // A share of what a step of the given size adds.
-            self.solver.rest_speed *= self.step / step;
+        } else {
+            // Shares of what a step of the given size adds.
+            let by = self.step / step;
+            if is_open("solver.rest_speed") {
+                self.solver.rest_speed *= by;
+            }
+            if is_open("solver.settling_tolerance") {
+                self.solver.settling_tolerance = self.solver.settling_tolerance.map(|tolerance| tolerance * by);
+            }
         }
         Ok(())
     }

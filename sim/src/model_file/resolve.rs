@@ -124,6 +124,7 @@ impl ModelFile {
             ("solver.iterations", s.iterations.unwrap_or(1) as f64),
             ("solver.start_iterations", s.start_iterations.unwrap_or(1) as f64),
             ("solver.overlap_tolerance", s.overlap_tolerance.unwrap_or(1.0)),
+            ("solver.settling_tolerance", s.settling_tolerance.unwrap_or(1.0)),
             ("solver.recovery_speed", s.recovery_speed),
             ("checkpoint_interval", self.checkpoint_interval.unwrap_or(1.0)),
             ("probes.interval", self.probes.interval.unwrap_or(1.0)),

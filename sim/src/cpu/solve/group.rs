@@ -23,6 +23,9 @@ pub trait Group<T: Grouped<L>, const L: usize>: Copy + Send + Sync {
         is_exact: bool,
     );
 
+    /// Bodies A and B of the block in each lane.
+    fn bodies(&self) -> &[[u32; 2]; L];
+
     /// Impulse of contact `k` of the block in a lane.
     fn gamma(&self, l: usize, k: usize) -> DVec3;
 

@@ -206,6 +206,10 @@ impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for ManifoldGrou
         self.moves = op.all_move(self.bodies.as_flattened());
     }
 
+    fn bodies(&self) -> &[[u32; 2]; L] {
+        &self.bodies
+    }
+
     fn gamma(&self, l: usize, k: usize) -> DVec3 {
         DVec3::from_array(self.contacts[k].gamma.map(|x| x[l].wide()))
     }

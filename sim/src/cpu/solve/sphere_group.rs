@@ -72,6 +72,10 @@ impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for SphereGroup<
         self.moves = op.all_move(self.bodies.as_flattened());
     }
 
+    fn bodies(&self) -> &[[u32; 2]; L] {
+        &self.bodies
+    }
+
     fn gamma(&self, l: usize, _: usize) -> DVec3 {
         DVec3::from_array(self.gamma.map(|x| x[l].wide()))
     }

@@ -26,6 +26,21 @@ use rayon::prelude::*;
 /// Root mean square of the residual terms at which single precision ends, over the maximum speed of a body.
 const COARSE: f64 = 1e-5;
 
+/// The speed up to which bodies settle, over that of a step of free fall.
+const SLOW: f64 = 6.0;
+
+/// Where sweeps end.
+struct Ends {
+    /// The residual, m/s.
+    tolerance: f64,
+    /// The speed at which a gap may close by more than its width after the sweeps of the settings, m/s.
+    closing: Option<f64>,
+    /// The residual above which gaps are not looked at, m/s.
+    lost: f64,
+    /// The residual of the contacts of a tile, m/s, where its bodies are no faster than the second, m/s.
+    settling: Option<(f64, f64)>,
+}
+
 /// The columns of the sweeps, which keep their memory from step to step.
 #[derive(Default)]
 pub struct Sweeps {
@@ -106,8 +121,12 @@ where
     ) -> Outcome {
         let Precisions { coarse, fine } = self;
         let is_exact = settings.friction == FrictionLaw::Exact;
-        let closing = settings.overlap_tolerance.map_or(f64::INFINITY, |overlap| overlap / op.recovery.step);
-        let lost = settings.residual_bound(op.least_slip);
+        let ends = Ends {
+            tolerance: settings.tolerance,
+            closing: settings.overlap_tolerance.map(|overlap| overlap / op.recovery.step),
+            lost: settings.residual_bound(op.least_slip),
+            settling: settings.settling_tolerance.map(|tolerance| (tolerance, SLOW * op.least_slip)),
+        };
         let mut outcome = Outcome { iterations: 0, residual: f64::INFINITY };
         if op.joints.rows.is_empty() {
             coarse.fill(op, at, gamma, is_exact);
@@ -116,8 +135,8 @@ where
                 coarse.fill(op, at, gamma, is_exact);
             }
             let tolerance = COARSE * coarse.max_speed() / (gamma.len() as f64).sqrt();
-            let stops = [settings.tolerance.max(tolerance), closing, lost];
-            coarse.sweeps(settings, gamma.len(), stops, &mut outcome, |_| ());
+            let ends = Ends { tolerance: settings.tolerance.max(tolerance), ..ends };
+            coarse.sweeps(settings, gamma.len(), &ends, &mut outcome, |_| ());
             coarse.unpack(at, op.contacts.len(), gamma);
         } else if gamma.len() > settings.max_iterations(gamma.len()) as usize {
             op.response(&vec![DVec3::ZERO; gamma.len()], response);
@@ -138,7 +157,7 @@ where
                 }
             };
             solve_joints(fine);
-            fine.sweeps(settings, gamma.len(), [settings.tolerance, closing, lost], &mut outcome, solve_joints);
+            fine.sweeps(settings, gamma.len(), &ends, &mut outcome, solve_joints);
             fine.unpack(at, op.contacts.len(), gamma);
             fine.store(response);
         } else {
@@ -180,13 +199,52 @@ struct Packed<T, const L: usize, G> {
     /// Number of groups of each tile of both rounds, and of each colour of the blocks in no tile.
     n_groups: [Vec<usize>; 3],
     motion: Vec<Motion<T>>,
-    /// The greatest speed at which a gap closed in each tile of both rounds when it was visited last, m/s.
-    fastest: [Vec<f64>; 2],
+    /// The tiles of both rounds.
+    tiles: [Vec<Tile>; 2],
+    /// The blocks in no tile, as if they were one.
+    shared: Tile,
+}
+
+/// What is known of a tile.
+#[derive(Clone, Copy, Default)]
+struct Tile {
+    n_contacts: f64,
+    /// What [`Group::visit`] returned when it was visited last.
+    visited: [f64; 2],
+    /// Whether its bodies are slow.
+    is_slow: bool,
+}
+
+/// Which tiles a sweep visits; the blocks in no tile it does in any case.
+#[derive(Clone, Copy)]
+enum Which {
+    All,
+    /// Those in which a gap closed at this speed, m/s, or faster.
+    Closing(f64),
+    /// Those of slow bodies whose contacts had a greater residual than this in the root mean square, m/s.
+    Unsettled(f64),
+}
+
+impl Which {
+    fn has(self, tile: &Tile) -> bool {
+        let [residual2, closing] = tile.visited;
+        match self {
+            Which::All => true,
+            Which::Closing(least) => closing >= least,
+            Which::Unsettled(residual) => tile.is_slow && residual2 > residual * residual * tile.n_contacts,
+        }
+    }
 }
 
 impl<T, const L: usize, G> Default for Packed<T, L, G> {
     fn default() -> Self {
-        Packed { groups: vec![], n_groups: Default::default(), motion: vec![], fastest: Default::default() }
+        Packed {
+            groups: vec![],
+            n_groups: Default::default(),
+            motion: vec![],
+            tiles: Default::default(),
+            shared: Tile::default(),
+        }
     }
 }
 
@@ -212,9 +270,19 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
         }
         let colors = shared.into_iter().zip(tiled.shared.colors());
         colors.for_each(|(groups, color)| pack(groups, [color].into_iter(), op, blocks, gamma, is_exact));
+        let contacts = |block: &u32| blocks.contacts(*block).len();
+        let tile = |blocks: &Colored| Tile {
+            n_contacts: blocks.colors().flatten().map(contacts).sum::<usize>() as f64,
+            ..Tile::default()
+        };
+        for (own, tiles) in self.tiles.iter_mut().zip(&tiled.rounds) {
+            own.clear();
+            own.extend(tiles.iter().map(tile));
+        }
+        self.shared = tile(&tiled.shared);
         self.motion.resize(n_bodies + 1, Motion::default());
         fill_rows(&mut self.motion[..n_bodies], |b| Motion::of(&op.free(b), masses.inv_mass[b], masses.inv_moment[b]));
-        self.visit::<{ act::APPLY }>(1.0, 0.0);
+        self.visit::<{ act::APPLY }>(1.0, Which::All);
     }
 
     /// The groups of each tile of both rounds, and of each colour of the blocks in no tile.
@@ -245,15 +313,15 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
         self.motion.iter().fold(0.0f64, |max, m| max.max(m.twist().v.length_squared())).sqrt()
     }
 
-    /// Sweep until the residual is within a tolerance, m/s, or the maximum number of iterations. While a gap then still closes by more than its
-    /// width faster than at `closing`, m/s, or the residual is above `lost`, m/s, sweeps over the tiles with such gaps alternate with those over
-    /// all, which are not over-relaxed, so that the last impulses are in their cones; not where `closing` is infinite. `solve_joints` follows every
-    /// sweep.
+    /// Sweep until the residual is within the tolerance, or the maximum number of iterations. While a gap then still closes by more than its
+    /// width too fast, or the residual is above `lost`, sweeps over the tiles with such gaps alternate with those over all, which are not
+    /// over-relaxed, so that the last impulses are in their cones. Tiles of slow bodies whose contacts have too great a residual are swept on alone.
+    /// `solve_joints` follows every sweep.
     fn sweeps(
         &mut self,
         settings: &SolverSettings,
         n: usize,
-        [tolerance, closing, lost]: [f64; 3],
+        ends: &Ends,
         outcome: &mut Outcome,
         mut solve_joints: impl FnMut(&mut Self),
     ) {
@@ -261,62 +329,87 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
         const LOCAL: u32 = 3;
         let max = settings.max_iterations(n);
         let omega = settings.omega.unwrap_or(1.0);
-        let of_all = if closing.is_finite() { omega.min(1.0) } else { omega };
+        let of_all = if ends.closing.is_some() { omega.min(1.0) } else { omega };
         while outcome.iterations < SolverSettings::BEYOND * max {
-            for _ in 0..if outcome.iterations < max { 0 } else { LOCAL } {
-                self.sweep(settings.friction, omega, closing);
-                solve_joints(self);
+            if let Some(closing) = ends.closing.filter(|_| outcome.iterations >= max) {
+                for _ in 0..LOCAL {
+                    self.sweep(settings.friction, omega, Which::Closing(closing));
+                    solve_joints(self);
+                }
             }
             // The residual terms of the blocks at the time of their visits, squared and summed.
-            let [residual2, fastest] = self.sweep(settings.friction, of_all, 0.0);
+            let [residual2, fastest] = self.sweep(settings.friction, of_all, Which::All);
             *outcome = Outcome { iterations: outcome.iterations + 1, residual: residual2.sqrt() / n as f64 };
             solve_joints(self);
-            let is_enough = fastest <= closing && outcome.residual <= lost || closing.is_infinite();
-            if outcome.residual <= tolerance || outcome.iterations >= max && is_enough {
+            if outcome.residual <= ends.tolerance {
+                return;
+            }
+            let is_enough = ends.closing.is_none_or(|most| fastest <= most && outcome.residual <= ends.lost);
+            if outcome.iterations >= max && is_enough {
                 break;
             }
         }
-    }
-
-    /// Visit the blocks once: those of tiles in which a gap closed at `least`, m/s, or faster, and those in no tile. Returns what
-    /// [`Group::visit`] does.
-    fn sweep(&mut self, friction: FrictionLaw, omega: f64, least: f64) -> [f64; 2] {
-        match friction {
-            FrictionLaw::Relaxed => self.visit::<{ act::RELAXED }>(omega, least),
-            FrictionLaw::Exact => self.visit::<{ act::EXACT }>(omega, least),
+        let Some((residual, speed)) = ends.settling else { return };
+        self.find_slow(speed);
+        let which = Which::Unsettled(residual);
+        let mut left = (SolverSettings::BEYOND * max).saturating_sub(outcome.iterations);
+        while left > 0 && self.tiles.iter().flatten().chain([&self.shared]).any(|tile| which.has(tile)) {
+            self.sweep(settings.friction, of_all, which);
+            solve_joints(self);
+            left -= 1;
         }
     }
 
-    fn visit<const ACT: u8>(&mut self, omega: f64, least: f64) -> [f64; 2] {
+    /// Find the tiles of slow bodies, which are no faster than a speed, m/s.
+    fn find_slow(&mut self, speed: f64) {
+        let (motion, mut tiles) = (std::mem::take(&mut self.motion), std::mem::take(&mut self.tiles));
+        let is_slow = |body: &u32| motion[*body as usize].twist().v.length_squared() <= speed * speed;
+        let are_slow = |groups: &[G]| groups.iter().all(|group| group.bodies().as_flattened().iter().all(is_slow));
+        let [first, second, shared] = self.parts();
+        for (parts, tiles) in [first, second].into_iter().zip(&mut tiles) {
+            parts.into_iter().zip(tiles).for_each(|(groups, tile)| tile.is_slow = are_slow(groups));
+        }
+        let is_slow = shared.into_iter().all(|groups| are_slow(groups));
+        (self.motion, self.tiles, self.shared.is_slow) = (motion, tiles, is_slow);
+    }
+
+    /// Visit the blocks of some tiles once, and those in no tile. Returns what [`Group::visit`] does.
+    fn sweep(&mut self, friction: FrictionLaw, omega: f64, which: Which) -> [f64; 2] {
+        match friction {
+            FrictionLaw::Relaxed => self.visit::<{ act::RELAXED }>(omega, which),
+            FrictionLaw::Exact => self.visit::<{ act::EXACT }>(omega, which),
+        }
+    }
+
+    fn visit<const ACT: u8>(&mut self, omega: f64, which: Which) -> [f64; 2] {
         /// Number of groups of a shared colour that one task visits.
         const TASK: usize = 128;
-        let (mut motion, mut fastest) = (std::mem::take(&mut self.motion), std::mem::take(&mut self.fastest));
+        let (mut motion, mut tiles) = (std::mem::take(&mut self.motion), std::mem::take(&mut self.tiles));
         let cells = Cells::new(&mut motion);
         // SAFETY: the tiles of a round, and the blocks of a shared colour, have no moving body in common.
         let visit = |groups: &mut [G]| unsafe { group::visit::<T, L, G, ACT>(groups, &cells, omega) };
-        let visit_tile = |(groups, fastest): (&mut [G], &mut f64)| {
-            if *fastest < least {
-                return [0.0, *fastest];
+        let visit_tile = |(groups, tile): (&mut [G], &mut Tile)| {
+            if !which.has(tile) {
+                return [0.0, tile.visited[1]];
             }
-            let visited = visit(groups);
-            *fastest = visited[1];
-            visited
+            tile.visited = visit(groups);
+            tile.visited
         };
         let and = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a + c, b.max(d)];
         let mut visited = [0.0; 2];
         let [first, second, shared] = self.parts();
-        for (tiles, fastest) in [first, second].into_iter().zip(&mut fastest) {
-            let is_serial = tiles.iter().map(|groups| groups.len()).sum::<usize>() < SERIAL_LIMIT;
-            fastest.resize(tiles.len(), 0.0);
-            let tiles = tiles.into_par_iter().zip(fastest);
+        for (parts, tiles) in [first, second].into_iter().zip(&mut tiles) {
+            let is_serial = parts.iter().map(|groups| groups.len()).sum::<usize>() < SERIAL_LIMIT;
+            let tiles = parts.into_par_iter().zip(tiles);
             visited = and(visited, fold_tasks(tiles, is_serial, visit_tile, and));
         }
+        let mut of_shared = [0.0; 2];
         for color in shared {
             let is_serial = color.len() < SERIAL_LIMIT;
-            visited = and(visited, fold_tasks(color.par_chunks_mut(TASK), is_serial, visit, and));
+            of_shared = and(of_shared, fold_tasks(color.par_chunks_mut(TASK), is_serial, visit, and));
         }
-        (self.motion, self.fastest) = (motion, fastest);
-        visited
+        (self.motion, self.tiles, self.shared.visited) = (motion, tiles, of_shared);
+        and(visited, of_shared)
     }
 
     /// Read the impulses of the contacts back, and the angular ones that follow them if there are any.
