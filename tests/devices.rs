@@ -247,7 +247,7 @@ fn models_go_on_on_a_device_as_on_the_processor() {
         let enough = contacts[1] > 10 || name == "pendulums";
         // One may be at the rim of a face, or of the reach; of the lines along which shoes touch rollers the processor has here and there but
         // one end, where the normal is off by 1e-5.
-        let may_differ = if name == "tracked_vehicle" { contacts[1] / 15 } else { (contacts[1] / 50).max(1) };
+        let may_differ = (contacts[1] / 50).max(1);
         assert!(enough && contacts[0].abs_diff(contacts[1]) <= may_differ, "{name}: {contacts:?}");
         // In a bed that comes to rest some grains roll another way; they move by up to some centimetres.
         assert!(worst < 1e-3 && mean < 5e-5, "{name}: {worst} m at most, {mean} m in the mean");

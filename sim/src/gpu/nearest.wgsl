@@ -381,13 +381,17 @@ fn nearest_points(a: Placed, b: Placed, reach: f32) -> u32 {
     let fa = feature_of(a, nearest.normal, 0u);
     let fb = feature_of(b, -nearest.normal, 1u);
     let size = min(min(a.half.x, min(a.half.y, a.half.z)), min(b.half.x, min(b.half.y, b.half.z)));
-    return feature_points(fa, fb, nearest, reach, size);
+    let extent = max(max(a.half.x, max(a.half.y, a.half.z)), max(b.half.x, max(b.half.y, b.half.z)));
+    return feature_points(fa, fb, nearest, reach, vec2(size, extent));
 }
 
-// The corners of two clipped features, and the nearest point where none of them is as near. Returns the number of points.
-fn feature_points(fa: Feature, fb: Feature, nearest: Point, reach: f32, size: f32) -> u32 {
-    // What the nearest point may be nearer than all others by, and the points of parallel edges beside each other, over the size.
+// The corners of two clipped features, and the nearest point where none of them is as near, for the least and the greatest half length of
+// the shapes. Returns the number of points.
+fn feature_points(fa: Feature, fb: Feature, nearest: Point, reach: f32, size: vec2<f32>) -> u32 {
+    // What the nearest point may be nearer than all others by, over the least half length, and over the greatest, by rounding; and the points of parallel
+    // edges beside each other, over the least.
     const NEAR: f32 = 1e-5;
+    const ROUND: f32 = 1e-6;
     const BESIDE: f32 = 1e-2;
     let n = nearest.normal;
     let of_a = abs(dot(face_normal(fa), n));
@@ -403,7 +407,7 @@ fn feature_points(fa: Feature, fb: Feature, nearest: Point, reach: f32, size: f3
         let side = cross(corners[fa.first + 1u].xyz - p, n);
         let across = select(vec3(0.0), normalize(side), length(side) > 0.0);
         for (var k = 0u; k < kept; k++) {
-            if abs(dot(found[k].on_second - p, across)) > BESIDE * size {
+            if abs(dot(found[k].on_second - p, across)) > BESIDE * size.x {
                 kept = 0u;
             }
         }
@@ -412,7 +416,7 @@ fn feature_points(fa: Feature, fb: Feature, nearest: Point, reach: f32, size: f3
     for (var k = 0u; k < kept; k++) {
         least = min(least, found[k].gap);
     }
-    if least > nearest.gap + NEAR * size {
+    if least > nearest.gap + max(NEAR * size.x, ROUND * size.y) {
         kept = min(kept, MAX_POINTS - 1u);
         found[kept] = nearest;
         kept += 1u;

@@ -150,7 +150,7 @@ fn triangle_points(a: Placed, b: Placed, bits: u32, over: f32, reach: f32) -> u3
             return swap_shapes(clip(triangle_face(b), feature_of(a, -face, 0u), face, reach));
         }
     }
-    return feature_points(feature_of(a, nearest.normal, 0u), triangle_face(b), nearest, reach, size);
+    return feature_points(feature_of(a, nearest.normal, 0u), triangle_face(b), nearest, reach, vec2(size));
 }
 
 // The points of a pair of a solid and a triangle, about an origin, with normals from the shape of the lower id. Returns their count.

@@ -122,13 +122,52 @@ pub fn feature(shape: &Placed, direction: DVec3) -> Feature {
 
 /// The contact points of two convex shapes, neither a plane nor a mesh, with the axis as [`convex::nearest`] has it. Returns their count.
 pub fn convex_convex(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Points) -> usize {
-    match convex::nearest(a, b, reach, axis) {
+    let nearest = side_by_side(a, b, reach, axis).unwrap_or_else(|| convex::nearest(a, b, reach, axis));
+    match nearest {
         Some(nearest) => {
             let (fa, fb) = (feature(a, nearest.normal), feature(b, -nearest.normal));
             points(&fa, &fb, &nearest, reach, a.size.min_element().min(b.size.min_element()), out)
         }
         None => 0,
     }
+}
+
+/// The nearest points where a cylinder meets another shape with its side, or `None` of them if the gap is above `reach`, m, with the axis
+/// as [`convex::nearest`] has it; `None` where it may meet it otherwise. The cylinder is a capsule there, whose distance, that of its axis, has no curved
+/// outline to search.
+fn side_by_side(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis) -> Option<Option<Nearest>> {
+    /// Cosine between the axis of a cylinder and the direction to what it meets with its side; and of one worth a trial.
+    const ASIDE: [f64; 2] = [1e-4, 0.1];
+    /// Overlap, over the least size, up to which it is least across an axis where it is not less along one.
+    const SHALLOW: f64 = 3e-2;
+    let is_cylinder = |shape: &Placed| shape.kind == ShapeKind::Cylinder;
+    let along = |direction: DVec3, shape: &Placed| if is_cylinder(shape) { shape.local(direction).z } else { 0.0 };
+    let is_aside = |direction: DVec3, most: f64| along(direction, a).abs().max(along(direction, b).abs()) <= most;
+    if !is_cylinder(a) && !is_cylinder(b) || !is_aside(axis.direction, ASIDE[1]) {
+        return None;
+    }
+    // The capsule of a cylinder's radius and length has its round ends beyond the cylinder's.
+    let [of_a, of_b] =
+        [a, b].map(|shape| if is_cylinder(shape) { Placed { kind: ShapeKind::Capsule, ..*shape } } else { *shape });
+    let mut own = *axis;
+    let Some(nearest) = convex::nearest(&of_a, &of_b, reach, &mut own) else {
+        // The capsules are around the cylinders.
+        *axis = Axis { apart: convex::separation(a, b, own.direction), ..own };
+        return Some(None);
+    };
+    // A deep overlap may be less along a direction in between.
+    let deepest = SHALLOW * a.size.min_element().min(b.size.min_element());
+    let ends = [a, b].into_iter().filter(|shape| is_cylinder(shape)).map(|shape| shape.rotation * DVec3::Z);
+    let mut ends = ends.flat_map(|end| [end, -end]);
+    let is_least =
+        nearest.gap >= 0.0 || nearest.gap >= -deepest && ends.all(|end| convex::separation(a, b, end) <= nearest.gap);
+    if !(is_aside(nearest.normal, ASIDE[0]) && is_least) {
+        return None;
+    }
+    // Along the normal a cylinder that leans reaches less far than the capsule.
+    let gap = nearest.gap.max(convex::separation(a, b, nearest.normal));
+    *axis = Axis { apart: gap, ..own };
+    Some((gap <= reach).then_some(Nearest { gap, ..nearest }))
 }
 
 /// The manifold of two features with given nearest points: the corners of the clipped features within `reach`, m, and the nearest
@@ -183,6 +222,8 @@ pub fn feature_id(corner: u32) -> u32 {
 /// Clip `other` against the sides of `reference` (a face, or an edge by its two ends) and keep the corners within `reach`, m, of it
 /// along the normal, which points from the reference to the other. Returns the number of points.
 pub fn clip(reference: &Feature, other: &Feature, normal: DVec3, reach: f64, out: &mut Points) -> usize {
+    /// What an end of a segment may be beyond a side by, over the side.
+    const ALONG: f64 = 1e-6;
     let r = reference.corners();
     // Clipped from one to the other and back.
     let (mut one, mut two) = (*other, Feature::new());
@@ -198,13 +239,14 @@ pub fn clip(reference: &Feature, other: &Feature, normal: DVec3, reach: f64, out
             let side = (q - p).cross(normal);
             if side.dot(middle - p) > 0.0 { -side } else { side }
         };
-        // Two points of a segment are an open path, a face's are closed.
+        // Two points of a segment are an open path, a face's are closed. A segment along a side is not cut by round-off.
         let closed = f.n > 2;
+        let beyond = if closed { 0.0 } else { ALONG * outward.length() * (q - p).length() };
         clipped.n = 0;
         for i in 0..f.n {
             let (u, u_id) = f.corner[i];
             let du = (u - p).dot(outward);
-            if du <= 0.0 {
+            if du <= beyond {
                 clipped.push(u, u_id);
             }
             if i + 1 == f.n && !closed {
@@ -212,7 +254,7 @@ pub fn clip(reference: &Feature, other: &Feature, normal: DVec3, reach: f64, out
             }
             let (v, v_id) = f.corner[(i + 1) % f.n];
             let dv = (v - p).dot(outward);
-            if (du <= 0.0) != (dv <= 0.0) {
+            if (du <= beyond) != (dv <= beyond) {
                 clipped.push(u + (v - u) * (du / (du - dv)), cut_id(u_id, v_id, k as u32 + 1));
             }
         }

@@ -474,3 +474,38 @@ fn what_stands_on_an_end_keeps_its_points() {
         (1..50).for_each(|k| assert_eq!(features(0.13 * k as f64), first, "{kind:?} {k}"));
     }
 }
+
+/// A cylinder that lies along a face or an edge of a box, or of a hull of the same corners, has a point at both ends of the line, and the
+/// normal of the face or across the edge.
+#[test]
+fn a_cylinder_along_a_face_or_an_edge_has_both_ends() {
+    let mut random = SplitMix64(11);
+    let size = DVec3::new(0.2, 0.3, 0.1);
+    let corners: Vec<DVec3> = (0..8).map(|k| convex::box_corner(size, k)).collect();
+    let (hull, _) = Hull::of_points(&corners).unwrap();
+    for i in 0..20_000 {
+        let turn = random.rotation();
+        let shift = random.rotation() * DVec3::X * random.between(0.0, 10.0);
+        let gap = 10f64.powf(random.between(-9.0, -3.0)) * if i % 2 == 0 { 1.0 } else { -1.0 };
+        let (r, half) = (0.06, random.between(0.05, 0.4));
+        // Along z, on the face across x, or about the edge between it and that across y.
+        let angle = if i % 3 == 0 { 0.0 } else { random.between(0.05, 1.5) };
+        let normal = DVec3::new(angle.cos(), angle.sin(), 0.0);
+        let foot = DVec3::new(size.x, if i % 3 == 0 { random.between(-0.9, 0.9) * size.y } else { size.y }, 0.0);
+        let at = foot + normal * (r + gap) + DVec3::Z * random.between(-0.5, 0.5) * size.z;
+        let is_hull = i % 4 < 2;
+        let kind = if is_hull { ShapeKind::Hull } else { ShapeKind::Box };
+        let a = Placed { hull: is_hull.then_some(&hull), ..placed(kind, size.to_array(), shift, turn) };
+        // A millionth of a radian beside it.
+        let lean = DQuat::from_rotation_x(1e-6) * DQuat::from_rotation_z(random.between(-3.0, 3.0));
+        let b = placed(ShapeKind::Cylinder, [r, r, half], shift + turn * at, turn * lean);
+        for (first, second, sign) in [(&a, &b, 1.0), (&b, &a, -1.0)] {
+            let found = points(first, second, 1e-2);
+            assert!(found.len() == 2, "{i} {kind:?}: {} points, gap {gap:e}, angle {angle}", found.len());
+            for p in &found {
+                let tilt = (p.normal * sign - turn * normal).length();
+                assert!(tilt < 3e-6 && (p.gap - gap).abs() < 5e-7, "{i} {kind:?}: {tilt:e}, {:e} for {gap:e}", p.gap);
+            }
+        }
+    }
+}
