@@ -93,7 +93,7 @@ pub struct SolverSettings {
     /// leave more, as where something lands; if not given, they do not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub overlap_tolerance: Option<f64>,
-    /// Residual of the contacts of slow bodies, in the root mean square over a tile of them, m/s: sweeps of Gauss–Seidel over the tile go on beyond
+    /// Residual of the contacts of slow bodies of any shape, in the root mean square over a tile of them, m/s: sweeps of Gauss–Seidel over it go on beyond
     /// `iterations`, up to four times as many, while it is greater, so that what stands comes to rest; if not given, they do not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub settling_tolerance: Option<f64>,
@@ -163,6 +163,9 @@ impl Default for SolverSettings {
 impl SolverSettings {
     /// The most sweeps over all contacts, over the maximum number of iterations, where gaps are not to close too fast.
     pub const BEYOND: u32 = 4;
+
+    /// The speed up to which bodies are slow, over that of a step of free fall.
+    pub const SLOW: f64 = 6.0;
 
     /// The residual above which a step counts as not converged, m/s: 100 tolerances, and at least gravity times step size, `fall`.
     pub fn residual_bound(&self, fall: f64) -> f64 {

@@ -116,6 +116,12 @@ fn closing_of(model: &Model, settings: &SolverSettings) -> Option<[f64; 2]> {
     settings.overlap_tolerance.map(|overlap| [overlap / model.step, lost])
 }
 
+/// The residual of slow bodies and their speed, m/s, where tiles of them are swept on while theirs is greater.
+fn settling_of(model: &Model, settings: &SolverSettings) -> Option<[f64; 2]> {
+    let slow = SolverSettings::SLOW * model.gravity.length() * model.step;
+    settings.settling_tolerance.map(|residual| [residual, slow])
+}
+
 impl ContactSolve {
     /// For the contacts of a collision, as many as it has room for now: after more room has been made, the solver is made again.
     ///
@@ -152,7 +158,7 @@ impl ContactSolve {
         let landing = if let Some(bound) = takeover.filter(|_| method != Method::GaussSeidel) {
             let landing = Landing::new(device, kernels, (&problem, collision.room()), (settings, bound))?;
             let settings = settings.of_takeover(model.envelope);
-            let by = (&settings, closing_of(model, &settings));
+            let by = (&settings, closing_of(model, &settings), settling_of(model, &settings));
             let sweeps = GaussSeidel::new(device, kernels, by, (&problem, collision))?;
             Some((landing, Columns::GaussSeidel(Box::new(sweeps))))
         } else {
@@ -161,7 +167,7 @@ impl ContactSolve {
         let (method, bytes) = match method {
             Method::Jacobi => (Columns::Jacobi, jacobi::BYTES),
             Method::GaussSeidel => {
-                let by = (settings, closing_of(model, settings));
+                let by = (settings, closing_of(model, settings), settling_of(model, settings));
                 let method = GaussSeidel::new(device, kernels, by, (&problem, collision))?;
                 (Columns::GaussSeidel(Box::new(method)), gauss_seidel::BYTES[problem.layout.narrow as usize])
             }
@@ -247,7 +253,7 @@ impl ContactSolve {
         let most = if n == 0 { 0 } else { self.settings.max_iterations(blocks) };
         let Some(exact) = self.rounds(is_landing) else {
             self.submit_iterations(device, solve, (most, most), times)?;
-            if solve.closing.is_some() {
+            if matches!(self.columns(is_landing), Columns::GaussSeidel(sweeps) if sweeps.goes_beyond()) {
                 for _ in 1..SolverSettings::BEYOND {
                     if !self.goes_on(device)? {
                         break;

@@ -9,7 +9,7 @@
 //! Kernels: tile_start.wgsl, tile_order.wgsl, tile_visits.wgsl, tile_sweep.wgsl, rest_sweep.wgsl and tile_end.wgsl for spheres, visit_write.wgsl,
 //! tile_manifolds.wgsl and rest_manifolds.wgsl for shapes of any kind, joint_response.wgsl, tile_decide.wgsl, closing.wgsl and
 //! closing_decide.wgsl. Twin: cpu/solve/sweeps.rs, whose iteration is one sweep; here it is one pass over the contacts in memory. Where a gap
-//! still closes too fast, all tiles are swept again, not those alone in which one does.
+//! still closes too fast, all tiles are swept again, not those alone in which one does; tiles of slow bodies are swept on alone, as there.
 //!
 //! Bytes of a contact and iteration: of spheres its visit (48), its impulse read and written (32): 80 from memory, in the order in which they are
 //! visited; of any shapes its row (64), its impulse read and written (32), its row of visits (16), and a share of its pair (20 of a pair): 117 where a
@@ -38,6 +38,8 @@ pub struct GaussSeidel {
     visits: Visits,
     decide: Kernel,
     closing: Option<Closing>,
+    /// The residual of slow bodies, of any shapes, up to which they are swept on, and their speed, m/s.
+    settling: Option<[f64; 2]>,
     /// Workgroups of the joints and of `closing` (2).
     pub work: Buffer<[u32; 4]>,
     /// Residual terms of each tile squared (n_tiles).
@@ -161,11 +163,12 @@ impl Columns {
 
 impl GaussSeidel {
     /// For the contacts of a collision, which must have tiles. `most` is the speed at which gaps may close and the residual that may be left, m/s,
-    /// where iterations go on while there is more.
+    /// where iterations go on while there is more; `settling` the residual of slow bodies of any shapes and their speed, m/s, where tiles of them are
+    /// swept on while theirs is greater.
     pub fn new(
         device: &Device,
         kernels: &Kernels,
-        (settings, most): (&SolverSettings, Option<[f64; 2]>),
+        (settings, most, settling): (&SolverSettings, Option<[f64; 2]>, Option<[f64; 2]>),
         (problem, collision): (&Problem, &Collision),
     ) -> Result<GaussSeidel, Fault> {
         let get = |name, text| kernel_of(problem.layout, device, kernels, (name, text));
@@ -186,6 +189,7 @@ impl GaussSeidel {
         let n_contacts = problem.gamma.capacity();
         Ok(GaussSeidel {
             closing: most.map(closing).transpose()?,
+            settling: settling.filter(|_| problem.layout.narrow == Narrow::Any),
             start: get("tile_start", include_str!("tile_start.wgsl"))?,
             order_visits: get("tile_order", include_str!("tile_order.wgsl"))?,
             visits: Visits::new(device, kernels, problem)?,
@@ -266,6 +270,11 @@ impl GaussSeidel {
         }
     }
 
+    /// Whether iterations may go on beyond those of the settings.
+    pub fn goes_beyond(&self) -> bool {
+        self.closing.is_some() || self.settling.is_some()
+    }
+
     /// Record an iteration.
     pub fn record(&self, device: &Device, commands: &mut Commands, problem: &Problem) {
         let c = &self.columns;
@@ -277,20 +286,22 @@ impl GaussSeidel {
         let of_decision = [moved[0], moved[1], scalars, self.work.bind(), counts[0], counts[1]];
         let [sweeps, is_exact, omega] = self.params;
         let [sweep, rest] = self.visits.sweeps();
+        let settling = self.settling.map_or([0; 2], |most| most.map(|most| bits(most * most)));
         // The law of spheres is in their visits.
-        let sweep_params = if matches!(self.visits, Visits::Spheres { .. }) { 5 } else { 6 };
+        let (sweep_params, rest_params) = if matches!(self.visits, Visits::Spheres { .. }) { (5, 7) } else { (8, 10) };
         for round in 0..c.rounds {
             for piece in 0..self.n_pieces {
-                let params = [round, piece, self.n_pieces, sweeps, omega, is_exact];
+                let params = [round, piece, self.n_pieces, sweeps, omega, is_exact, settling[0], settling[1]];
                 let params = &params[..sweep_params];
                 commands.dispatch(device, sweep, &of_sweep, params, Work::Groups(self.n_groups));
             }
         }
         // Without joints the last kernel decides whether another iteration follows.
-        let deciding = [bits(self.tolerance), self.closing.is_some() as u32, c.rounds];
+        let beyond = if self.settling.is_some() { SolverSettings::BEYOND } else { 0 };
+        let deciding = [bits(self.tolerance), self.closing.is_some() as u32, c.rounds, beyond];
         let decides = problem.joints.is_none() as u32;
-        let params: Vec<u32> = self.params.into_iter().chain([decides]).chain(deciding).collect();
-        commands.dispatch(device, rest, &of_rest, &params, Work::Groups(1));
+        let params: Vec<u32> = self.params.into_iter().chain([decides]).chain(deciding).chain(settling).collect();
+        commands.dispatch(device, rest, &of_rest, &params[..rest_params], Work::Groups(1));
         if let Some(joints) = &problem.joints {
             let work = Work::Indirect(&self.work, 0);
             joints.record_more(device, commands, &problem.of_joints(), work);

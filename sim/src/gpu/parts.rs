@@ -37,6 +37,7 @@ const PARTS: &[Part<'static>] = parts!(
     "scalars",
     "visit",
     "tile_bodies",
+    "settling",
     "tile_listed",
     "tile_decided",
     "tile_visit",

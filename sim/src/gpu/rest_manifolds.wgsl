@@ -10,7 +10,7 @@
 // in    counts       [3]           n_big, n_tiles, n_pairs
 // inout motion       [n_bodies]    m/s, rad/s
 // inout gamma        [n_contacts]  N s, world
-// out   rest_moved   [1]           residual terms of the first sweep squared, m²/s²
+// out   rest_moved   [1]           residual terms of the first sweep squared, m²/s²; negative where the pairs are settled
 // in    mass         [n_bodies]    1/kg, and principal, 1/(kg m²)
 // in    orientation  [n_bodies]    of the principal frames
 // inout roll         [n_contacts]  N m s, world: rolling and spinning impulses on B
@@ -20,12 +20,15 @@
 // inout work         [2]           workgroups of the joints and of `closing`
 // in    count        [1]           n_contacts
 // inout scalars      [1]
-// in    params       [7]           sweeps, whether Coulomb's law is exact, and as bits ω; whether it is decided; as bits the tolerance (m/s),
-//                                  whether `closing` decides once the iterations of the settings are done, and number of rounds
+// in    params       [10]          sweeps, whether Coulomb's law is exact, and as bits ω; whether it is decided; as bits the tolerance (m/s),
+//                                  whether `closing` decides once the iterations of the settings are done, number of rounds, and the most
+//                                  iterations for slow bodies over those of the settings, 0 for none; as bits the squares of the residual of
+//                                  slow bodies and of their speed, m²/s²
 // Twin: cpu/solve/sweeps.rs
 #import sphere
 #import manifold
 #import tile_decided
+#import settling
 
 @group(0) @binding(0) var<storage, read> rows: array<Row>;
 @group(0) @binding(1) var<storage, read> visits: array<vec4<f32>>;
@@ -54,12 +57,12 @@
 const THREADS: u32 = 256u;
 const NONE: u32 = 0xffffffffu;
 
-// Visit the contacts of a pair. Returns their residual terms squared.
-fn visit_pair(pair: u32) -> f32 {
+// Visit the contacts of a pair. Returns their residual terms squared, whether a body is fast, and whether there are any contacts.
+fn visit_pair(pair: u32) -> vec4<f32> {
     let first = place[pair];
     let end = place[pair + 1u];
     if first == end {
-        return 0.0;
+        return vec4(0.0);
     }
     let bodies = rows[first].bodies;
     let a = motion[bodies.x];
@@ -75,12 +78,13 @@ fn visit_pair(pair: u32) -> f32 {
     if b.inv_mass > 0.0 {
         motion[bodies.y] = Body(two.vb, b.inv_mass, two.wb, b.inv_inertia);
     }
-    return term;
+    let is_fast = max(dot(two.va, two.va), dot(two.vb, two.vb)) > bitcast<f32>(params[9]);
+    return vec4(term, select(0.0, 1.0, is_fast), 1.0, 0.0);
 }
 
 @compute @workgroup_size(256)
 fn main(@builtin(local_invocation_index) thread: u32) {
-    var term = 0.0;
+    var terms = vec4(0.0);
     let n_tiles_to_do = select(0u, n_big[0], scalars[0].goes_on == 1u);
     for (var t = 0u; t < n_tiles_to_do; t++) {
         let tile = big[t];
@@ -95,7 +99,8 @@ fn main(@builtin(local_invocation_index) thread: u32) {
                 workgroupBarrier();
                 for (var k = first + thread; k < end; k += THREADS) {
                     if color[k] == c {
-                        term += select(0.0, visit_pair(k), sweep == 0u);
+                        let of_pair = visit_pair(k);
+                        terms += select(vec4(0.0), of_pair, sweep == 0u);
                     }
                 }
             }
@@ -104,7 +109,8 @@ fn main(@builtin(local_invocation_index) thread: u32) {
                 workgroupBarrier();
                 for (var k = first; k < select(first, end, thread == 0u); k++) {
                     if color[k] == NONE {
-                        term += select(0.0, visit_pair(k), sweep == 0u);
+                        let of_pair = visit_pair(k);
+                        terms += select(vec4(0.0), of_pair, sweep == 0u);
                     }
                 }
             }
@@ -112,11 +118,12 @@ fn main(@builtin(local_invocation_index) thread: u32) {
         storageBarrier();
         workgroupBarrier();
     }
-    let total = group_total(thread, vec4(term, 0.0, 0.0, 0.0));
+    let total = group_total(thread, terms);
+    let rest = settled(total.x, total.y, total.z, bitcast<f32>(params[8]));
     if thread == 0u {
-        rest_moved[0] = total.x;
+        rest_moved[0] = rest;
     }
     if params[3] == 1u {
-        decide(thread, total.x, bitcast<f32>(params[4]), params[5] == 1u, params[6]);
+        decide(thread, rest, bitcast<f32>(params[4]), params[5] == 1u, params[6], params[7]);
     }
 }

@@ -106,6 +106,6 @@ fn main(@builtin(local_invocation_index) thread: u32) {
         rest_moved[0] = total.x;
     }
     if params[3] == 1u {
-        decide(thread, total.x, bitcast<f32>(params[4]), params[5] == 1u, params[6]);
+        decide(thread, total.x, bitcast<f32>(params[4]), params[5] == 1u, params[6], 0u);
     }
 }

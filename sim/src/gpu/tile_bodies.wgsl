@@ -1,5 +1,5 @@
-// The memory of the workgroups that sweep tiles, and the tiles of a round, which each of them sweeps one after the other: with `THREADS` and `sweep_tile` of
-// the kernel and its columns `round_start`, `tiles`, `moved`, `scalars` and `params`.
+// The memory of the workgroups that sweep tiles, and the tiles of a round, which each of them sweeps one after the other: with `THREADS`, `sweep_tile` and
+// `is_due`, whether a tile is swept in this iteration, of the kernel and its columns `round_start`, `tiles`, `moved`, `scalars` and `params`.
 
 // Velocities of the tile's bodies with their reciprocal masses, and angular velocities; of spheres with reciprocal moments of inertia. The last
 // is a body that is held, all of whose numbers are zero.
@@ -34,10 +34,12 @@ fn sweep_round(group: u32, n_groups: u32, thread: u32) {
     let end = select(round_start[params[0]], round_start[params[0] + 1u], scalars[0].goes_on == 1u);
     let first = round_start[params[0]] + group * params[2] + params[1];
     for (var tile = first; tile < end; tile += n_groups * params[2]) {
-        if tiles[tile].y > 0u {
+        if tiles[tile].y == 0u {
+            if thread == 0u {
+                moved[tile] = 0.0;
+            }
+        } else if is_due(tile) {
             sweep_tile(tile, thread);
-        } else if thread == 0u {
-            moved[tile] = 0.0;
         }
     }
 }

@@ -5,7 +5,8 @@
 // inout work        [2]        workgroups of the joints and of `closing`
 // in    round_start [10]       first tile of each round
 // in    count       [1]        n_contacts
-// in    params      [3]        as bits: tolerance (m/s); whether `closing` decides once the iterations of the settings are done; number of rounds
+// in    params      [4]        as bits: tolerance (m/s); whether `closing` decides once the iterations of the settings are done; number of rounds; the
+//                              most iterations for slow bodies over those of the settings, 0 for none
 // Twin: cpu/solve/sweeps.rs
 #import tile_decided
 
@@ -19,5 +20,5 @@
 
 @compute @workgroup_size(256)
 fn main(@builtin(local_invocation_index) thread: u32) {
-    decide(thread, rest[0], bitcast<f32>(params[0]), params[1] == 1u, params[2]);
+    decide(thread, rest[0], bitcast<f32>(params[0]), params[1] == 1u, params[2], params[3]);
 }

@@ -3,14 +3,21 @@
 #import scalars
 #import partial
 
-// `rest` is the term of big tiles, in thread 0; `closing` tells whether that decides once the iterations of the settings are done.
-fn decide(thread: u32, rest: f32, tolerance: f32, closing: bool, n_rounds: u32) {
+// The terms of a tile, if there are as many: what it adds to the residual, and to the number of tiles that are not settled.
+fn terms_of(i: u32, n: u32) -> vec4<f32> {
+    let own = moved[min(i, n - 1u)];
+    return below(vec4(abs(own), select(0.0, 1.0, own > 0.0), 0.0, 0.0), i, n);
+}
+
+// `rest` is the term of big tiles, in thread 0; `closing` tells whether that decides once the iterations of the settings are done. There are up to
+// `beyond` times as many iterations while some tile is not settled.
+fn decide(thread: u32, rest: f32, tolerance: f32, closing: bool, n_rounds: u32, beyond: u32) {
     let is_active = scalars[0].goes_on == 1u;
     var sums = vec4(0.0);
     let n_tiles = select(0u, round_start[n_rounds], is_active);
     for (var i = thread; i < n_tiles; i += 1024u) {
-        let first = vec4(moved[i], 0.0, 0.0, 0.0) + below(vec4(moved[min(i + 256u, n_tiles - 1u)], 0.0, 0.0, 0.0), i + 256u, n_tiles);
-        sums += first + (below(vec4(moved[min(i + 512u, n_tiles - 1u)], 0.0, 0.0, 0.0), i + 512u, n_tiles) + below(vec4(moved[min(i + 768u, n_tiles - 1u)], 0.0, 0.0, 0.0), i + 768u, n_tiles));
+        let first = terms_of(i, n_tiles) + terms_of(i + 256u, n_tiles);
+        sums += first + (terms_of(i + 512u, n_tiles) + terms_of(i + 768u, n_tiles));
     }
     sums = group_total(thread, sums);
     if thread != 0u || !is_active {
@@ -18,8 +25,9 @@ fn decide(thread: u32, rest: f32, tolerance: f32, closing: bool, n_rounds: u32) 
     }
     var s = scalars[0];
     s.trials++;
-    s.residual = sqrt(sums.x + rest) / f32(blocks_of(count[0]));
-    let is_done = s.trials >= s.limit;
+    s.residual = sqrt(sums.x + abs(rest)) / f32(blocks_of(count[0]));
+    let settles = s.trials < beyond * s.limit && (sums.y > 0.0 || rest > 0.0);
+    let is_done = s.trials >= s.limit && !settles;
     if is_done && closing {
         work[1] = dispatch_of(count[0]);
     }

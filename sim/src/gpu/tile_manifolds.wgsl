@@ -12,19 +12,21 @@
 // in    round_start  [10]          first tile of each round
 // inout motion       [n_bodies]    m/s, rad/s
 // inout gamma        [n_contacts]  N s, world
-// out   moved        [n_tiles]     residual terms of the first sweep squared, m²/s²
+// inout moved        [n_tiles]     residual terms of the first sweep squared, m²/s²; negative where the tile is settled
 // in    mass         [n_bodies]    1/kg, and principal, 1/(kg m²)
 // in    orientation  [n_bodies]    of the principal frames
 // inout roll         [n_contacts]  N m s, world: rolling and spinning impulses on B
 // in    roll_row     [n_contacts]
 // in    scalars      [1]
-// in    params       [6]           round, the index of this dispatch and the number of dispatches of a round, sweeps, as bits ω, and whether
-//                                  Coulomb's law is exact
+// in    params       [8]           round, the index of this dispatch and the number of dispatches of a round, sweeps, as bits ω, whether
+//                                  Coulomb's law is exact, and as bits the squares of the residual of slow bodies and of their speed, m²/s²;
+//                                  zero where sweeps do not go on for them
 // Twin: cpu/solve/sweeps.rs
 #import sphere
 #import manifold
 #import scalars
 #import tile_bodies
+#import settling
 
 @group(0) @binding(0) var<storage, read> rows: array<Row>;
 @group(0) @binding(1) var<storage, read> visits: array<vec4<f32>>;
@@ -104,6 +106,12 @@ fn visit_pair(own: Pair, is_exact: bool, omega: f32) -> f32 {
     return term;
 }
 
+// Beyond the iterations of the settings tiles that are not settled are swept alone.
+fn is_due(tile: u32) -> bool {
+    let is_beyond = scalars[0].trials >= scalars[0].limit && params[6] > 0u;
+    return !is_beyond || moved[tile] > 0.0;
+}
+
 fn sweep_tile(tile: u32, thread: u32) {
     let base = tiles[tile].x;
     let n = tiles[tile].y;
@@ -144,12 +152,19 @@ fn sweep_tile(tile: u32, thread: u32) {
         }
     }
     workgroupBarrier();
+    let speed2 = bitcast<f32>(params[7]);
+    var n_fast = 0.0;
     for (var i = thread; i < n_bodies; i += THREADS) {
         motion[tile_body[first_body + i]] = BodyRow(linear[i], angular[i]);
+        n_fast += select(0.0, 1.0, dot(linear[i].xyz, linear[i].xyz) > speed2);
     }
     let total = tile_total(thread, term);
+    if params[6] > 0u {
+        workgroupBarrier();
+        n_fast = tile_total(thread, n_fast);
+    }
     if thread == 0u {
-        moved[tile] = total;
+        moved[tile] = settled(total, n_fast, f32(n), bitcast<f32>(params[6]));
     }
 }
 

@@ -102,6 +102,10 @@ fn put_body(at: u32, n: u32, body: BodyRow) {
     }
 }
 
+fn is_due(tile: u32) -> bool {
+    return true;
+}
+
 fn sweep_tile(tile: u32, thread: u32) {
     let base = tiles[tile].x;
     let n = tiles[tile].y;

@@ -26,9 +26,6 @@ use rayon::prelude::*;
 /// Root mean square of the residual terms at which single precision ends, over the maximum speed of a body.
 const COARSE: f64 = 1e-5;
 
-/// The speed up to which bodies settle, over that of a step of free fall.
-const SLOW: f64 = 6.0;
-
 /// Where sweeps end.
 struct Ends {
     /// The residual, m/s.
@@ -121,11 +118,12 @@ where
     ) -> Outcome {
         let Precisions { coarse, fine } = self;
         let is_exact = settings.friction == FrictionLaw::Exact;
+        let settling = settings.settling_tolerance.map(|residual| (residual, SolverSettings::SLOW * op.least_slip));
         let ends = Ends {
             tolerance: settings.tolerance,
             closing: settings.overlap_tolerance.map(|overlap| overlap / op.recovery.step),
             lost: settings.residual_bound(op.least_slip),
-            settling: settings.settling_tolerance.map(|tolerance| (tolerance, SLOW * op.least_slip)),
+            settling: settling.filter(|_| matches!(op.contacts.arms, Arms::Any(_))),
         };
         let mut outcome = Outcome { iterations: 0, residual: f64::INFINITY };
         if op.joints.rows.is_empty() {
