@@ -138,8 +138,8 @@ pub fn convex_convex(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &
 fn side_by_side(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis) -> Option<Option<Nearest>> {
     /// Cosine between the axis of a cylinder and the direction to what it meets with its side; and of one worth a trial.
     const ASIDE: [f64; 2] = [1e-4, 0.1];
-    /// Overlap, over the least size, up to which it is least across an axis where it is not less along one.
-    const SHALLOW: f64 = 3e-2;
+    /// What an overlap may be less by elsewhere, over the least size: the search for it has an error.
+    const LESS: f64 = 1e-6;
     let is_cylinder = |shape: &Placed| shape.kind == ShapeKind::Cylinder;
     let along = |direction: DVec3, shape: &Placed| if is_cylinder(shape) { shape.local(direction).z } else { 0.0 };
     let is_aside = |direction: DVec3, most: f64| along(direction, a).abs().max(along(direction, b).abs()) <= most;
@@ -155,19 +155,25 @@ fn side_by_side(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis) -> Option<O
         *axis = Axis { apart: convex::separation(a, b, own.direction), ..own };
         return Some(None);
     };
-    // A deep overlap may be less along a direction in between.
-    let deepest = SHALLOW * a.size.min_element().min(b.size.min_element());
-    let ends = [a, b].into_iter().filter(|shape| is_cylinder(shape)).map(|shape| shape.rotation * DVec3::Z);
-    let mut ends = ends.flat_map(|end| [end, -end]);
-    let is_least =
-        nearest.gap >= 0.0 || nearest.gap >= -deepest && ends.all(|end| convex::separation(a, b, end) <= nearest.gap);
-    if !(is_aside(nearest.normal, ASIDE[0]) && is_least) {
+    if !is_aside(nearest.normal, ASIDE[0]) {
         return None;
     }
     // Along the normal a cylinder that leans reaches less far than the capsule.
     let gap = nearest.gap.max(convex::separation(a, b, nearest.normal));
-    *axis = Axis { apart: gap, ..own };
-    Some((gap <= reach).then_some(Nearest { gap, ..nearest }))
+    let aside = (Axis { apart: gap, ..own }, Nearest { gap, ..nearest });
+    if gap >= 0.0 {
+        *axis = aside.0;
+        return Some((gap <= reach).then_some(aside.1));
+    }
+    // An overlap may be less along an axis or a direction in between.
+    let nearest = convex::nearest(a, b, reach, axis);
+    let Some(nearest) =
+        nearest.filter(|nearest| nearest.gap > gap + LESS * a.size.min_element().min(b.size.min_element()))
+    else {
+        *axis = aside.0;
+        return Some(Some(aside.1));
+    };
+    Some(Some(nearest))
 }
 
 /// The manifold of two features with given nearest points: the corners of the clipped features within `reach`, m, and the nearest
