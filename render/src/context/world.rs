@@ -5,6 +5,7 @@ use crate::context::result::{DrawnBy, RenderResult};
 use crate::context::state::Context;
 use crate::cpu::rays::say_open;
 use crate::cpu::render::render;
+use crate::cpu::volumes::say_idle;
 use crate::drawn::Drawn;
 use crate::film::filter::FilterKind;
 use crate::film::image::{Image, expose};
@@ -130,6 +131,7 @@ impl Context {
         }
         emitters::expand(&mut self.scene);
         say_open(&self.scene);
+        say_idle(&self.scene);
         hide_twins(&mut self.scene);
         if self.options.hider == Hider::Null {
             let options = Options { displays: vec![], unsupported_display: true, ..self.options.clone() };
