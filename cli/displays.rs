@@ -22,17 +22,36 @@ pub fn written(image: &Path, shard: Option<Shard>) -> PathBuf {
     shard.map_or_else(|| image.into(), |shard| shard_file::path_of(image, shard))
 }
 
+/// What has been printed, so that it is printed once: warnings of images are mostly those of the image before.
+#[derive(Default)]
+pub struct Printed(HashSet<String>);
+
+impl Printed {
+    /// Print a line, unless it has been.
+    pub fn print(&mut self, line: String) {
+        if !self.0.contains(&line) {
+            eprintln!("{line}");
+            self.0.insert(line);
+        }
+    }
+}
+
 /// Write the images of a context to their displays, the frame's own with its overlays, and print its warnings.
-pub fn write(mut context: Context, folder: &Path, overlay: Option<&Overlay<'_>>) -> Outcome<Vec<RenderResult>> {
+pub fn write(
+    mut context: Context,
+    folder: &Path,
+    overlay: Option<&Overlay<'_>>,
+    printed: &mut Printed,
+) -> Outcome<Vec<RenderResult>> {
     let mut results = std::mem::take(&mut context.results);
     let (image, allow_outside) = (context.image.clone(), context.allow_outside);
     for warning in context.warnings() {
-        eprintln!("warning: {warning}");
+        printed.print(format!("warning: {warning}"));
     }
     let mut written = HashSet::new();
     for result in &mut results {
         for warning in &result.warnings {
-            eprintln!("warning: {warning}");
+            printed.print(format!("warning: {warning}"));
         }
         if result.options.displays.is_empty() && !result.options.unsupported_display {
             let (name, kind, mode) = ("ri.png".into(), "file".into(), "rgb".into());

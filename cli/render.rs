@@ -2,7 +2,7 @@
 
 use crate::batch::MadeOf;
 use crate::device::Drawer;
-use crate::displays::{context, report_statistics, write, written};
+use crate::displays::{Printed, context, report_statistics, write, written};
 use crate::job::{ImageJob, RenderFrames, RenderJob, RenderScene};
 use crate::ledger::Ledger;
 use crate::progress::Progress;
@@ -58,7 +58,7 @@ fn scene(job: &RenderScene) -> Outcome {
         Ok(is_asked.then(message))
     })?;
     let is_open = context.is_world_open();
-    let results = write(context, &job.folder, None)?;
+    let results = write(context, &job.folder, None, &mut Printed::default())?;
     progress.finish();
     if is_open {
         let message = "the WorldBegin of the scene has no WorldEnd: what it holds is not drawn";

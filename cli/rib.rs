@@ -1,5 +1,6 @@
 //! `scree rib`: a frame as RIB, standard requests only.
 
+use crate::displays::Printed;
 use crate::failed::MissingValues;
 use crate::job::RibJob;
 use crate::levels;
@@ -36,7 +37,7 @@ pub fn run(job: RibJob) -> Outcome {
     )?;
     let mut values = MissingValues::default();
     values.add(job.frame, &missing);
-    values.warn();
+    values.warn(&mut Printed::default());
     let bytes = writer.into_inner();
     match &job.output {
         Some(path) if guard::was_seen(path) => {

@@ -466,6 +466,11 @@ fn what_goes_wrong_is_said() {
     let endless = "surface t() {\n float i, j = 0;\n while (j < 1)\n for (i = 0; i < 9; i += 1) Ci += 1;\n }";
     let answer = said(&[("t.sl", endless)], &format!("{head}Surface \"t\" Disk 0 0.8 360\nWorldEnd\n"));
     assert!(answer.errors().contains("t.sl:3"), "{}", answer.errors());
+    // The primitive is named that the shader runs on first, in an archive, too.
+    let world = "Sphere 0.1 -0.1 0.1 360\nReadArchive \"a.rib\"\nSphere 0.2 -0.2 0.2 360\nWorldEnd\n";
+    let archive = "Surface \"t\"\n Disk 0 0.8 360\nDisk 0.5 0.8 360\n";
+    let answer = said(&[("t.sl", endless), ("a.rib", archive)], &format!("{head}{world}"));
+    assert!(answer.errors().contains("a.rib:2:2: the loops of the shader `t` do not end"), "{}", answer.errors());
     let answer = said(&[], &format!("{head}Scale 0 0 0 Disk 0 0.8 360\nWorldEnd\n"));
     assert!(answer.errors().contains("`Scale 0 0 0` cannot be inverted"), "{}", answer.errors());
     let far = "displacement d() { P += pow(10, 30) * pow(10, 30) * N; }";

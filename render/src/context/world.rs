@@ -168,7 +168,8 @@ impl Context {
         self.options.keep_ids = self.keep_ids;
         let (Drawn { mut image, stats, identities }, drawn_by) = self.draw(camera);
         if let Some(message) = self.scene.stopped() {
-            return Err(Fail::new(message));
+            let at = self.scene.stopped_at().map(|spot| self.scene.warnings.place_of(spot));
+            return Err(Fail::new(message).at(at));
         }
         // What an imager takes is exposed before it (RISpec 4.1.2, figure 4.2).
         if self.options.imager.is_none() {
