@@ -22,7 +22,7 @@ use std::collections::HashMap;
 use std::ops::ControlFlow;
 
 /// The most that lie over each other and are told apart.
-const MOST_STEPS: u32 = 16;
+const MOST_STEPS: u32 = 64;
 
 /// Of those that cover one, how many are looked at.
 const MOST_COVERING: usize = 256;
@@ -36,8 +36,9 @@ const BENT: f32 = 1.0;
 /// How far points are off their plane where they are rounded, in parts of the greatest numbers that they are computed of.
 const ROUNDED: f32 = 1e-6;
 
-/// The most that a step is, in parts of the depth: in planes that are seen from their edge.
+/// The most that a step is, in parts of the depth, and all steps: in planes that are seen from their edge.
 const MOST: f32 = 1.0 / 64.0;
+const MOST_IN_ALL: f32 = 1.0 / 4.0;
 
 /// How an item lies behind others in its plane.
 #[derive(Clone, Copy, Debug)]
@@ -87,7 +88,7 @@ impl Behind {
         let bent = if camera.perspective { BENT * self.rate * edge * edge / z } else { 0.0 };
         let step = (SNAPPED * slope + bent + ROUNDED * reach / along.abs()).min(MOST * z);
         // A plane through the eye is a line, and nothing of it is seen.
-        if step.is_finite() { self.steps * step } else { 0.0 }
+        if step.is_finite() { (self.steps * step).min(MOST_IN_ALL * z) } else { 0.0 }
     }
 }
 
