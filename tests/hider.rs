@@ -131,3 +131,30 @@ fn of_surfaces_in_one_plane_the_first_is_seen_and_an_area_light_before_it() {
     }
     assert!(n > 5_000, "{n}");
 }
+
+/// A ribbon that bends covers what its segments measure, as half as much is added outside as is taken inside, and nothing twice.
+#[test]
+fn linear_curves_are_one_layer_where_they_bend() {
+    for (curve, length) in [
+        ("[3] \"nonperiodic\" \"P\" [-.5 -.5 0 .5 -.5 0 .5 .5 0]", 2.0),
+        ("[6] \"nonperiodic\" \"P\" [-.5 -.5 0 -.5 -.5 0 .5 -.5 0 .5 -.5 0 .5 .5 0 .5 .5 0]", 2.0),
+        ("[4] \"periodic\" \"P\" [-.5 -.5 0 .5 -.5 0 .5 .5 0 -.5 .5 0]", 4.0),
+        ("[3] \"nonperiodic\" \"P\" [-.5 -.5 0 .5 -.5 0 -.2 .2 0]", 1.0 + 0.98f32.sqrt()),
+    ] {
+        let image = render(
+            ORTHO,
+            &format!("Surface \"constant\" Opacity .5 .5 .5 Curves \"linear\" {curve} \"constantwidth\" [.2]"),
+        );
+        let most = image.pixels.iter().map(|p| p[3]).fold(0.0, f32::max);
+        assert!((most - 0.5).abs() < 1e-4, "{curve}: {most}");
+        // 40 pixels are a unit.
+        let (area, expected) = (image.coverage() / 0.5 / 1600.0, 0.2 * length);
+        assert!((area / expected - 1.0).abs() < 0.01, "{curve}: {area}, expected {expected}");
+    }
+    // One that turns back at once has no mitre, and is drawn all the same.
+    let back = render(
+        ORTHO,
+        "Surface \"constant\" Curves \"linear\" [3] \"nonperiodic\" \"P\" [-.5 0 0 .5 0 0 -.5 0 0] \"constantwidth\" [.2]",
+    );
+    assert!((back.coverage() / 1600.0 - 0.2).abs() < 0.002, "{}", back.coverage());
+}
