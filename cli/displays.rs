@@ -3,7 +3,7 @@
 use crate::job::Statistics;
 use crate::machine::peak_bytes;
 use crate::overlay::Overlay;
-use crate::report::{Exit, Failure, Outcome};
+use crate::report::{Exit, Failure, Outcome, Printed};
 use crate::{image_file, shard_file};
 use render::film::bucket::Shard;
 use render::film::display;
@@ -20,20 +20,6 @@ pub fn context(files: &Files) -> Outcome<Context> {
 /// The file that is written of an image: its own, or that of a shard.
 pub fn written(image: &Path, shard: Option<Shard>) -> PathBuf {
     shard.map_or_else(|| image.into(), |shard| shard_file::path_of(image, shard))
-}
-
-/// What has been printed, so that it is printed once: warnings of images are mostly those of the image before.
-#[derive(Default)]
-pub struct Printed(HashSet<String>);
-
-impl Printed {
-    /// Print a line, unless it has been.
-    pub fn print(&mut self, line: String) {
-        if !self.0.contains(&line) {
-            eprintln!("{line}");
-            self.0.insert(line);
-        }
-    }
 }
 
 /// Write the images of a context to their displays, the frame's own with its overlays, and print its warnings.

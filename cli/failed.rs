@@ -1,7 +1,6 @@
 //! Frames that cannot be rendered or read because of their own data: reported at once, one by one, and named at the end.
 
-use crate::displays::Printed;
-use crate::report::{Exit, Failure, Outcome};
+use crate::report::{Exit, Failure, Outcome, Printed};
 use bind::emit::{Lack, Missing};
 use std::collections::BTreeMap;
 

@@ -2,7 +2,7 @@
 
 use crate::batch::movie_images;
 use crate::device::Drawer;
-use crate::displays::{Printed, context, report_statistics, write, written};
+use crate::displays::{context, report_statistics, write, written};
 use crate::failed::{FailedFrames, MissingValues};
 use crate::interrupt;
 use crate::job::{ImageJob, Statistics};
@@ -10,7 +10,7 @@ use crate::ledger::{Hashes, Ledger, Standing};
 use crate::overlay::{Overlay, Prepared};
 use crate::progress::Progress;
 use crate::ranges;
-use crate::report::{Exit, Failure, Outcome};
+use crate::report::{Exit, Failure, Outcome, Printed};
 use bind::{Moment, emit};
 use frame::{Fault, FaultKind, Frame, list};
 use render::film::bucket::Shard;

@@ -2,11 +2,11 @@
 
 use crate::batch::MadeOf;
 use crate::device::Drawer;
-use crate::displays::{Printed, context, report_statistics, write, written};
+use crate::displays::{context, report_statistics, write, written};
 use crate::job::{ImageJob, RenderFrames, RenderJob, RenderScene};
 use crate::ledger::Ledger;
 use crate::progress::Progress;
-use crate::report::{Exit, Failure, Outcome};
+use crate::report::{Exit, Failure, Outcome, Printed};
 use crate::{images, model_run};
 use bind::emit;
 use render::DrawnBy;

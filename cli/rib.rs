@@ -1,13 +1,12 @@
 //! `scree rib`: a frame as RIB, standard requests only.
 
-use crate::displays::Printed;
 use crate::failed::MissingValues;
 use crate::job::RibJob;
 use crate::levels;
 use crate::library;
 use crate::model_run;
 use crate::ranges;
-use crate::report::{Exit, Failure, Outcome};
+use crate::report::{Exit, Failure, Outcome, Printed};
 use bind::{Moment, emit};
 use frame::list;
 use render::ri::writer::Writer;
