@@ -3,7 +3,7 @@
 use crate::job::Statistics;
 use crate::machine::peak_bytes;
 use crate::overlay::Overlay;
-use crate::report::{Exit, Failure, Outcome};
+use crate::report::{Exit, Failure, Outcome, Printed};
 use crate::{image_file, shard_file};
 use render::film::bucket::Shard;
 use render::film::display;
@@ -23,16 +23,21 @@ pub fn written(image: &Path, shard: Option<Shard>) -> PathBuf {
 }
 
 /// Write the images of a context to their displays, the frame's own with its overlays, and print its warnings.
-pub fn write(mut context: Context, folder: &Path, overlay: Option<&Overlay<'_>>) -> Outcome<Vec<RenderResult>> {
+pub fn write(
+    mut context: Context,
+    folder: &Path,
+    overlay: Option<&Overlay<'_>>,
+    printed: &mut Printed,
+) -> Outcome<Vec<RenderResult>> {
     let mut results = std::mem::take(&mut context.results);
     let (image, allow_outside) = (context.image.clone(), context.allow_outside);
     for warning in context.warnings() {
-        eprintln!("warning: {warning}");
+        printed.print(format!("warning: {warning}"));
     }
     let mut written = HashSet::new();
     for result in &mut results {
         for warning in &result.warnings {
-            eprintln!("warning: {warning}");
+            printed.print(format!("warning: {warning}"));
         }
         if result.options.displays.is_empty() && !result.options.unsupported_display {
             let (name, kind, mode) = ("ri.png".into(), "file".into(), "rgb".into());

@@ -1,6 +1,6 @@
 //! Frames that cannot be rendered or read because of their own data: reported at once, one by one, and named at the end.
 
-use crate::report::{Exit, Failure, Outcome};
+use crate::report::{Exit, Failure, Outcome, Printed};
 use bind::emit::{Lack, Missing};
 use std::collections::BTreeMap;
 
@@ -91,9 +91,9 @@ impl MissingValues {
     }
 
     /// Print what is missing.
-    pub fn warn(&self) {
-        self.notes().iter().for_each(|note| eprintln!("note: {note}"));
-        self.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
+    pub fn warn(&self, printed: &mut Printed) {
+        self.notes().iter().for_each(|note| printed.print(format!("note: {note}")));
+        self.warnings().iter().for_each(|warning| printed.print(format!("warning: {warning}")));
     }
 
     /// The objects that have no rows: one may lack them in some frames, but hardly in all.

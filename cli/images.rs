@@ -10,7 +10,7 @@ use crate::ledger::{Hashes, Ledger, Standing};
 use crate::overlay::{Overlay, Prepared};
 use crate::progress::Progress;
 use crate::ranges;
-use crate::report::{Exit, Failure, Outcome};
+use crate::report::{Exit, Failure, Outcome, Printed};
 use bind::{Moment, emit};
 use frame::{Fault, FaultKind, Frame, list};
 use render::film::bucket::Shard;
@@ -31,7 +31,7 @@ pub fn render(
     let mut failed = FailedFrames::new("rendered");
     say_gaps(job);
     ranges::settle(job)?;
-    render_pass(job, shard, statistics, drawer, &mut failed)?;
+    render_pass(job, (shard, statistics), drawer, &mut failed, &mut Printed::default())?;
     Ok(failed)
 }
 
@@ -99,10 +99,10 @@ struct Tally {
 
 fn render_pass(
     job: &ImageJob,
-    shard: Option<Shard>,
-    statistics: Statistics,
+    (shard, statistics): (Option<Shard>, Statistics),
     drawer: &mut Drawer,
     failed: &mut FailedFrames,
+    printed: &mut Printed,
 ) -> Outcome {
     let mut frames: Vec<u64> = job.frames.iter().filter(|f| !failed.contains(**f)).copied().collect();
     let (ledger, n) = (Ledger::of(&job.folder), frames.len());
@@ -122,7 +122,7 @@ fn render_pass(
                 busy.push(*frame);
                 continue;
             };
-            match work.image(*frame, &file, drawer, &mut tally) {
+            match work.image(*frame, &file, drawer, (&mut tally, printed)) {
                 Ok(()) => proven = true,
                 Err(failure) => {
                     work.ledger.note_failure(&file, &failure.message)?;
@@ -140,9 +140,9 @@ fn render_pass(
     interrupt::remark(String::new());
     progress.finish();
     tally.say(n);
-    work.values.warn();
+    work.values.warn(printed);
     work.check_others()?;
-    job.passes.iter().try_for_each(|pass| render_pass(pass, shard, statistics, drawer, failed))
+    job.passes.iter().try_for_each(|pass| render_pass(pass, (shard, statistics), drawer, failed, printed))
 }
 
 impl Tally {
@@ -189,7 +189,13 @@ impl<'a> Work<'a> {
     }
 
     /// Render a frame and record its image, unless that is up to date.
-    fn image(&mut self, frame: u64, file: &str, drawer: &mut Drawer, tally: &mut Tally) -> Outcome {
+    fn image(
+        &mut self,
+        frame: u64,
+        file: &str,
+        drawer: &mut Drawer,
+        (tally, printed): (&mut Tally, &mut Printed),
+    ) -> Outcome {
         let started = Instant::now();
         let table = self.job.source.shared(frame)?;
         // The metadata fits the data's first frame: a column that this one lacks is missing in the data.
@@ -212,7 +218,7 @@ impl<'a> Work<'a> {
             why => *tally.again.entry(why.to_string()).or_default() += 1,
         }
         guard::trace();
-        let result = self.draw(&moment, about, drawer)?;
+        let result = self.draw(&moment, about, drawer, printed)?;
         if let DrawnBy::Fallback(why) = &result.drawn_by {
             *tally.fallen_back.entry(why.clone()).or_default() += 1;
         }
@@ -275,7 +281,13 @@ impl<'a> Work<'a> {
     }
 
     /// Render a frame and write its image.
-    fn draw(&mut self, moment: &Moment, about: Vec<(String, String)>, drawer: &mut Drawer) -> Outcome<RenderResult> {
+    fn draw(
+        &mut self,
+        moment: &Moment,
+        about: Vec<(String, String)>,
+        drawer: &mut Drawer,
+        printed: &mut Printed,
+    ) -> Outcome<RenderResult> {
         let (job, table) = (self.job, moment.frame);
         let mut context = context(&job.files)?;
         (context.shard, context.about) = (self.shard, about);
@@ -286,7 +298,7 @@ impl<'a> Work<'a> {
         let missing = emit::frame(&job.binding, moment, &image, &job.files, &mut context)?;
         self.values.add(table.number, &missing);
         let no_world = || Failure::new(Exit::Input, "the scene has no WorldBegin and WorldEnd: there is no image");
-        write(context, &job.folder, Some(&self.overlay(table)?))?.pop().ok_or_else(no_world)
+        write(context, &job.folder, Some(&self.overlay(table)?), printed)?.pop().ok_or_else(no_world)
     }
 }
 

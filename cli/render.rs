@@ -6,7 +6,7 @@ use crate::displays::{context, report_statistics, write, written};
 use crate::job::{ImageJob, RenderFrames, RenderJob, RenderScene};
 use crate::ledger::Ledger;
 use crate::progress::Progress;
-use crate::report::{Exit, Failure, Outcome};
+use crate::report::{Exit, Failure, Outcome, Printed};
 use crate::{images, model_run};
 use bind::emit;
 use render::DrawnBy;
@@ -58,7 +58,7 @@ fn scene(job: &RenderScene) -> Outcome {
         Ok(is_asked.then(message))
     })?;
     let is_open = context.is_world_open();
-    let results = write(context, &job.folder, None)?;
+    let results = write(context, &job.folder, None, &mut Printed::default())?;
     progress.finish();
     if is_open {
         let message = "the WorldBegin of the scene has no WorldEnd: what it holds is not drawn";

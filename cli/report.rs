@@ -1,9 +1,10 @@
-//! Failures of commands: the message that the user reads, and the exit code that a script reads.
+//! Failures of commands: the message that the user reads, and the exit code that a script reads. Lines that are printed once.
 
 use bind::emit::EmitError;
 use frame::{Fault, FaultKind};
 use render::ri::reader::{Place, RibError};
 use render::sl::Diagnostic;
+use std::collections::HashSet;
 use std::fmt;
 
 /// Exit codes of failures.
@@ -87,6 +88,20 @@ impl From<EmitError> for Failure {
             EmitError::Rib(error, by) => {
                 of_scene(error).hint(format!("the scene is filled in by {}", by.display())).into()
             }
+        }
+    }
+}
+
+/// What has been printed, so that it is printed once: warnings of images are mostly those of the image before.
+#[derive(Default)]
+pub struct Printed(HashSet<String>);
+
+impl Printed {
+    /// Print a line, unless it has been.
+    pub fn print(&mut self, line: String) {
+        if !self.0.contains(&line) {
+            eprintln!("{line}");
+            self.0.insert(line);
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::levels;
 use crate::library;
 use crate::model_run;
 use crate::ranges;
-use crate::report::{Exit, Failure, Outcome};
+use crate::report::{Exit, Failure, Outcome, Printed};
 use bind::{Moment, emit};
 use frame::list;
 use render::ri::writer::Writer;
@@ -36,7 +36,7 @@ pub fn run(job: RibJob) -> Outcome {
     )?;
     let mut values = MissingValues::default();
     values.add(job.frame, &missing);
-    values.warn();
+    values.warn(&mut Printed::default());
     let bytes = writer.into_inner();
     match &job.output {
         Some(path) if guard::was_seen(path) => {

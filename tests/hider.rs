@@ -80,3 +80,81 @@ fn a_bound_that_is_too_small_is_said_with_the_one_that_is_needed() {
         assert_eq!(found, warned, "{said}");
     }
 }
+
+/// Squares of half an edge about the origin of the plane z = 0, the first seen wholly, and all others as far as those before them leave them.
+#[test]
+fn of_surfaces_in_one_plane_the_first_is_seen_and_an_area_light_before_it() {
+    let square = |color: &str, half: f32| {
+        let p = format!("{0} {0} 0 {1} {0} 0 {1} {1} 0 {0} {1} 0", -half, half);
+        format!("Color {color} Polygon \"P\" [{p}]\n")
+    };
+    let (small, middle, large) = (square("1 0 0", 0.5), square("0 1 0", 0.9), square("0 0 1", 20.0));
+    let lamp = format!("AttributeBegin AreaLightSource \"arealight\" 1 {small} AttributeEnd\n");
+    let mesh = "Color 0 0 1 PointsPolygons [4 4] [0 1 2 3 3 2 4 5] \"P\" [-20 -20 0 20 -20 0 20 .1 0 -20 .1 0 20 20 0 -20 20 0]\n";
+    let turned = "TransformBegin Rotate 31 0 0 1 Rotate 50 1 0 0 Rotate -50 1 0 0 Rotate -31 0 0 1\n";
+    let draw = |options: &str, view: &str, world: &str| {
+        render(&format!("Format 96 72 1 PixelSamples 2 2 PixelFilter \"box\" 1 1 {options} {view}"), world)
+    };
+    let perspective = "Projection \"perspective\" \"fov\" [40]";
+    let views = [[0.0, 12.0], [33.0, 70.0], [-71.0, 81.0], [140.0, 88.0], [45.0, 89.3]]
+        .map(|[around, down]| format!("Translate 0 0 4 Rotate {} 1 0 0 Rotate {around} 0 0 1", -down));
+    let open = "Projection \"perspective\" \"fov\" [40] Shutter 0 1 MotionBegin [0 1] Translate 0 0 0 Translate .2 .1 .3 MotionEnd";
+    let mut n = 0;
+    for (options, world) in [
+        (perspective, format!("{small}{middle}{large}")),
+        (perspective, format!("{large}{lamp}")),
+        (perspective, format!("{lamp}{mesh}")),
+        (perspective, format!("{turned}{small}TransformEnd {large}")),
+        (perspective, format!("ShadingRate 25 {small} ShadingRate .5 {large}")),
+        (perspective, format!("{small} ShadingRate 100 {large}")),
+        (perspective, format!("{small} Opacity .5 .5 .5 {large}")),
+        (perspective, format!("ObjectBegin 1 {small} ObjectEnd ObjectInstance 1 {large}")),
+        ("Projection \"orthographic\" ScreenWindow -2 2 -1.5 1.5", format!("{small}{large}")),
+        ("Projection \"perspective\" \"fov\" [40] DepthOfField 4 .5 5", format!("{small}{large}")),
+        (open, format!("{small}{large}")),
+    ] {
+        let world = format!("Surface \"constant\"\n{world}");
+        for view in &views {
+            let alone = draw(options, view, &format!("Surface \"constant\"\n{small}"));
+            let all = draw(options, view, &world);
+            for (k, (alone, found)) in
+                alone.pixels.iter().zip(&all.pixels).enumerate().filter(|(_, (p, _))| p[3] == 1.0)
+            {
+                n += 1;
+                let is_seen = (0..3).all(|c| (found[c] - alone[c]).abs() < 1e-5);
+                assert!(is_seen, "pixel {k} is {found:?} from {view}: {world}");
+            }
+        }
+        // What is no light and comes later lies behind.
+        let hidden = draw(options, &views[1], &format!("Surface \"constant\"\n{large}{small}"));
+        assert!(hidden.pixels.iter().all(|p| p[0] == 0.0), "{options}");
+    }
+    assert!(n > 5_000, "{n}");
+}
+
+/// A ribbon that bends covers what its segments measure, as half as much is added outside as is taken inside, and nothing twice.
+#[test]
+fn linear_curves_are_one_layer_where_they_bend() {
+    for (curve, length) in [
+        ("[3] \"nonperiodic\" \"P\" [-.5 -.5 0 .5 -.5 0 .5 .5 0]", 2.0),
+        ("[6] \"nonperiodic\" \"P\" [-.5 -.5 0 -.5 -.5 0 .5 -.5 0 .5 -.5 0 .5 .5 0 .5 .5 0]", 2.0),
+        ("[4] \"periodic\" \"P\" [-.5 -.5 0 .5 -.5 0 .5 .5 0 -.5 .5 0]", 4.0),
+        ("[3] \"nonperiodic\" \"P\" [-.5 -.5 0 .5 -.5 0 -.2 .2 0]", 1.0 + 0.98f32.sqrt()),
+    ] {
+        let image = render(
+            ORTHO,
+            &format!("Surface \"constant\" Opacity .5 .5 .5 Curves \"linear\" {curve} \"constantwidth\" [.2]"),
+        );
+        let most = image.pixels.iter().map(|p| p[3]).fold(0.0, f32::max);
+        assert!((most - 0.5).abs() < 1e-4, "{curve}: {most}");
+        // 40 pixels are a unit.
+        let (area, expected) = (image.coverage() / 0.5 / 1600.0, 0.2 * length);
+        assert!((area / expected - 1.0).abs() < 0.01, "{curve}: {area}, expected {expected}");
+    }
+    // One that turns back at once has no mitre, and is drawn all the same.
+    let back = render(
+        ORTHO,
+        "Surface \"constant\" Curves \"linear\" [3] \"nonperiodic\" \"P\" [-.5 0 0 .5 0 0 -.5 0 0] \"constantwidth\" [.2]",
+    );
+    assert!((back.coverage() / 1600.0 - 0.2).abs() < 0.002, "{}", back.coverage());
+}

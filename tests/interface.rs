@@ -313,6 +313,39 @@ fn lights_and_null_shaders() {
     near([r, g, b], [0.25, 0.5, 0.75]);
 }
 
+/// RISpec 5.1.6: interiors are those of solids.
+#[test]
+fn volumes_that_do_nothing_are_said() {
+    let fog = b"volume v() { Ci *= 0.5; }";
+    let through = b"surface t() { Oi = 1; Ci = trace(P, vector(0, 0, 1)); }";
+    let square = |at: &str| format!("TransformBegin {at} Polygon \"P\" [-1 -1 1 1 -1 1 1 1 1 -1 1 1] TransformEnd\n");
+    let turns = ["", "Rotate 90 1 0 0", "Rotate 180 1 0 0", "Rotate 270 1 0 0", "Rotate 90 0 1 0", "Rotate 270 0 1 0"];
+    let sides: Vec<String> = turns.map(square).into();
+    let (open, idle) = ("what has the interior `v` does not enclose a volume", "no shader here traces any");
+    for (world, expected) in [
+        (format!("Surface \"t\" {}", sides[0]), [true, false]),
+        (format!("Surface \"t\" {}", sides[..5].concat()), [true, false]),
+        (format!("Surface \"t\" {}", sides.concat()), [false, false]),
+        ("Surface \"t\" Sphere 1 -1 1 360".into(), [false, false]),
+        ("Surface \"t\" Sphere 1 0 1 360".into(), [true, false]),
+        ("Surface \"t\" Sphere 1 0 1 360 Disk 0 1 360".into(), [false, false]),
+        ("Surface \"t\" SolidBegin \"primitive\" Sphere 1 -1 1 360 SolidEnd".into(), [false, false]),
+        (format!("Surface \"matte\" {}", sides[0]), [false, true]),
+    ] {
+        let work = scratch();
+        std::fs::write(work.path().join("v.sl"), fog).unwrap();
+        std::fs::write(work.path().join("t.sl"), through).unwrap();
+        let path = work.path().join("t.rib");
+        let text =
+            format!("Display \"t.png\" \"png\" \"rgb\"\n{ORTHO}\nWorldBegin\nInterior \"v\"\n{world}\nWorldEnd\n");
+        std::fs::write(&path, text).unwrap();
+        let answer = scree(&["render", path.to_str().unwrap(), "-o", work.path().to_str().unwrap()]);
+        let said = answer.errors();
+        assert_eq!([open, idle].map(|part| said.contains(part)), expected, "{world}: {said}");
+        assert!(!expected.contains(&true) || said.contains("t.rib:5:"), "{said}");
+    }
+}
+
 #[test]
 fn rays_go_through_volumes() {
     // RISpec 5.1.6: a ray of length 1 through fog of depth 1 keeps e⁻¹ of its red.
@@ -433,6 +466,11 @@ fn what_goes_wrong_is_said() {
     let endless = "surface t() {\n float i, j = 0;\n while (j < 1)\n for (i = 0; i < 9; i += 1) Ci += 1;\n }";
     let answer = said(&[("t.sl", endless)], &format!("{head}Surface \"t\" Disk 0 0.8 360\nWorldEnd\n"));
     assert!(answer.errors().contains("t.sl:3"), "{}", answer.errors());
+    // The primitive is named that the shader runs on first, in an archive, too.
+    let world = "Sphere 0.1 -0.1 0.1 360\nReadArchive \"a.rib\"\nSphere 0.2 -0.2 0.2 360\nWorldEnd\n";
+    let archive = "Surface \"t\"\n Disk 0 0.8 360\nDisk 0.5 0.8 360\n";
+    let answer = said(&[("t.sl", endless), ("a.rib", archive)], &format!("{head}{world}"));
+    assert!(answer.errors().contains("a.rib:2:2: the loops of the shader `t` do not end"), "{}", answer.errors());
     let answer = said(&[], &format!("{head}Scale 0 0 0 Disk 0 0.8 360\nWorldEnd\n"));
     assert!(answer.errors().contains("`Scale 0 0 0` cannot be inverted"), "{}", answer.errors());
     let far = "displacement d() { P += pow(10, 30) * pow(10, 30) * N; }";

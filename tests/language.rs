@@ -284,6 +284,10 @@ fn passes_processes_and_moving_cameras_of_chrono_render() {
         // Nothing is near the ball: it is white where nothing is occluded.
         assert!(shade.get_pixel(middle / 2, 10).0[0] > 240);
     }
+    // What is said of a file is said once, in whatever pass it is read again.
+    std::fs::write(at("cam_04.rib"), "Projection \"orthographic\"\nZoom 3\nTranslate 0 0 5\n").unwrap();
+    let again = scree(&["render", at("job.yaml").to_str().unwrap(), "-o", at("again").to_str().unwrap()]).errors();
+    assert_eq!(again.matches("unknown request `Zoom`").count(), 1, "{again}");
     std::fs::write(at("bad.yaml"), PASSES.replace("id == 2", "di == 2")).unwrap();
     let said = scree(&["render", at("bad.yaml").to_str().unwrap(), "-o", at("x").to_str().unwrap()]).fails(4);
     assert!(said.contains("di"), "{said}");

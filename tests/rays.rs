@@ -347,3 +347,35 @@ fn many_rays_are_gathered() {
     let p = render_with(&[("many.sl", shader.as_slice())], options, world);
     assert!(p.pixels.iter().all(|pixel| (pixel[0] - 1.0).abs() < 1e-5), "{:?}", p.pixels[0]);
 }
+
+/// A square in the plane of a larger one, as a mirror shows it from below at any slope.
+#[test]
+fn of_surfaces_in_one_plane_rays_meet_the_first() {
+    let files: [(&str, &[u8]); 1] = [("m.sl", b"surface m(vector d = 0;) { Oi = 1; Ci = trace(P, d); }")];
+    let square = |color: &str, half: f32| {
+        format!("Color {color} Polygon \"P\" [-{half} -{half} 2 {half} -{half} 2 {half} {half} 2 -{half} {half} 2]\n")
+    };
+    let (small, large) = (square("1 1 0", 0.7), square("0 0 1", 9.0));
+    let options = "Format 64 64 1 PixelSamples 1 1 Projection \"orthographic\" Translate 0 0 5";
+    for (turn, way) in [("", "0 0 1"), ("Rotate 11 3 1 2", ".3 .2 1"), ("Rotate -7 1 0 0 Rotate 30 0 0 1", "-.3 .4 1")]
+    {
+        let draw = |above: &str| {
+            let mirror = format!("Surface \"m\" \"vector d\" [{way}] Polygon \"P\" [-1 -1 0 1 -1 0 1 1 0 -1 1 0]");
+            let above = format!("AttributeBegin Attribute \"visibility\" \"int camera\" [0] {above} AttributeEnd");
+            let world = format!("Surface \"constant\" TransformBegin {turn} {above} TransformEnd {mirror}");
+            render_with(&files, options, &world)
+        };
+        let [alone, first, last] =
+            [&small, &format!("{small}{large}"), &format!("{large}{small}")].map(|all| draw(all));
+        let seen: Vec<usize> = (0..64 * 64).filter(|k| alone.pixels[*k][0] > 0.999).collect();
+        assert!(seen.len() > 300, "{turn}: {}", seen.len());
+        for k in seen {
+            assert!(
+                first.pixels[k][0] > 0.999 && first.pixels[k][2] < 0.001,
+                "{turn}: pixel {k} {:?}",
+                first.pixels[k]
+            );
+            assert!(last.pixels[k][0] < 0.001, "{turn}: pixel {k} {:?}", last.pixels[k]);
+        }
+    }
+}

@@ -3,6 +3,7 @@
 pub mod blur;
 pub mod bucket;
 pub mod bvh;
+pub mod coplanar;
 pub mod deferred;
 pub mod displace;
 pub mod displaced;

@@ -93,6 +93,11 @@ impl Warnings {
         lock(&self.place).spot
     }
 
+    /// The file of a place, and its line and column.
+    pub fn place_of(&self, Spot { file, line, column }: Spot) -> (PathBuf, (usize, usize)) {
+        (lock(&self.place).files[file as usize].clone(), (line as usize, column as usize))
+    }
+
     /// The warnings so far.
     pub fn list(&self) -> Vec<String> {
         lock(&self.all).iter().map(|warning| warning.placed.clone()).collect()

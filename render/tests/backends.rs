@@ -123,6 +123,22 @@ const CAMERA: &str =
 const LIT: &str = "WorldBegin LightSource \"distantlight\" \"a\" \"to\" [0.4 -0.5 1] LightSource \"ambientlight\" \"b\" \"intensity\" 0.2
     Surface \"matte\"\n";
 
+/// What is seen of surfaces in one plane, which would fight if their depths alone decided.
+#[test]
+fn surfaces_in_one_plane_are_the_same_on_a_device() {
+    let Some(device) = device() else { return };
+    let square = |half: f32| format!("Polygon \"P\" [{0} 0 {0} {1} 0 {0} {1} 0 {1} {0} 0 {1}]\n", -half, half);
+    let [small, middle, large] = [0.4, 1.0, 30.0].map(square);
+    let world = format!("Color 1 1 .3 {small} Color .3 .4 .9 {middle} Color .9 .3 .2 {large} WorldEnd");
+    let moving = CAMERA.replace("Rotate 20 0 1 0", "MotionBegin [0 1] Rotate 20 0 1 0 Rotate 26 0 1 0 MotionEnd");
+    let low = CAMERA.replace("Rotate -35 1 0 0", "Rotate -3 1 0 0");
+    let mut wrong = String::new();
+    for (name, camera) in [("still", CAMERA.into()), ("moving", format!("Shutter 0 1 {moving}")), ("low", low)] {
+        wrong += &same(name, &format!("{camera}{LIT}{world}"), &device);
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
 /// Every primitive of the corpus, lit, with shadows.
 #[test]
 fn primitives_are_the_same_on_a_device() {

@@ -277,7 +277,13 @@ impl<'a> Reader<'a> {
                 done.map_err(|Placed { fail, in_arguments }| {
                     // A fault of the call itself is placed at its name.
                     let at = if in_arguments { self.arguments.fault(start) } else { place };
-                    self.error(at, fail.message)
+                    let error = self.error(at, fail.message);
+                    match fail.at {
+                        Some((file, (line, column))) => {
+                            Box::new(RibError { place: Place { file, line, column }, text: String::new(), ..*error })
+                        }
+                        None => error,
+                    }
                 })
             }
         };

@@ -6,7 +6,7 @@ use crate::instances::{InstanceShape, Instances};
 use crate::params::{Class, Declaration, Param, Params, Type};
 use crate::table::requests;
 use glam::{Mat4, Quat, Vec3};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Order, knots and range of a NURBS patch along one parameter (`NuPatch`, RISpec 5.3).
 #[derive(Clone, Debug, PartialEq)]
@@ -57,17 +57,24 @@ pub struct Tags {
     pub floats: Vec<f32>,
 }
 
-/// The error of a call of [`Ri`]. It has no place in a file: the caller adds that.
+/// The error of a call of [`Ri`]. Mostly it has no place in a file: the caller adds that.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fail {
     /// The error message.
     pub message: String,
+    /// The file, line and column, from 1, of an earlier call that it lies in.
+    pub at: Option<(PathBuf, (usize, usize))>,
 }
 
 impl Fail {
     /// An error with this message.
     pub fn new(message: impl Into<String>) -> Fail {
-        Fail { message: message.into() }
+        Fail { message: message.into(), at: None }
+    }
+
+    /// The same of a call that stands there.
+    pub fn at(self, at: Option<(PathBuf, (usize, usize))>) -> Fail {
+        Fail { at, ..self }
     }
 }
 

@@ -72,7 +72,7 @@ impl Context {
                     _ => -along,
                 };
                 let range = [k as f32 / count, (k + 1) as f32 / count];
-                let mut patch = ribbon(control, width, range, facing);
+                let mut patch = ribbon(control, curve.beside(k, (cubic, periodic)), width, range, facing);
                 let varying = [ends[0], ends[0], ends[1], ends[1]];
                 // Along the curve its own basis holds, across it what is the same there stays so.
                 let bases = (BEZIER, self.geometry.bases.1);

@@ -5,6 +5,7 @@ use crate::context::result::{DrawnBy, RenderResult};
 use crate::context::state::Context;
 use crate::cpu::rays::say_open;
 use crate::cpu::render::render;
+use crate::cpu::volumes::say_idle;
 use crate::drawn::Drawn;
 use crate::film::filter::FilterKind;
 use crate::film::image::{Image, expose};
@@ -130,6 +131,7 @@ impl Context {
         }
         emitters::expand(&mut self.scene);
         say_open(&self.scene);
+        say_idle(&self.scene);
         hide_twins(&mut self.scene);
         if self.options.hider == Hider::Null {
             let options = Options { displays: vec![], unsupported_display: true, ..self.options.clone() };
@@ -166,7 +168,8 @@ impl Context {
         self.options.keep_ids = self.keep_ids;
         let (Drawn { mut image, stats, identities }, drawn_by) = self.draw(camera);
         if let Some(message) = self.scene.stopped() {
-            return Err(Fail::new(message));
+            let at = self.scene.stopped_at().map(|spot| self.scene.warnings.place_of(spot));
+            return Err(Fail::new(message).at(at));
         }
         // What an imager takes is exposed before it (RISpec 4.1.2, figure 4.2).
         if self.options.imager.is_none() {

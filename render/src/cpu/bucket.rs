@@ -196,7 +196,7 @@ impl Sink for Grids<'_> {
         }
         displace(self.frame.scene, &self.frame.displacement_rays, &self.subject, grid, &mut self.shading.machine);
         face_eye(&self.subject, grid);
-        let bound = self.raster.project(camera, instants, grid);
+        let bound = self.raster.project(camera, instants, grid, self.frame.coplanar.behind(item));
         if displaced {
             self.frame.known.note(item, grid, bound);
         }

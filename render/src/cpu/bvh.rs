@@ -223,20 +223,27 @@ impl Bvh {
         blocked
     }
 
-    /// The nearest thing along a direction of unit length from `least` on, for a ray from a surface of `own`: how far, and what.
+    /// The nearest thing along a direction of unit length from `least` on, for a ray from a surface of `own`: how far, and what. Of things as
+    /// far as each other, but for rounding, it is the first of the scene, as the camera sees it.
     pub fn nearest(&self, own: Item, from: Vec3, dir: Vec3, least: f32, bias: [f32; 2]) -> Option<(f32, Item)> {
         if self.tree.is_empty() || !from.is_finite() || !dir.is_finite() {
             return None;
         }
         let (mut best, way): (Option<(f32, Item)>, _) = (None, [from, dir]);
-        self.tree.leaves(from, dir, f32::INFINITY, |leaf, mut length| {
+        let reach = from.abs().max_element();
+        let room = |t: f32| ROUNDING * (t + reach);
+        self.tree.leaves(from, dir, f32::INFINITY, |leaf, _| {
             for (item, occluder) in &self.occluders[leaf] {
-                if let Some(t) = self.distance(*item == own, occluder, way, least, bias).filter(|t| *t < length) {
-                    length = t;
+                let Some(t) = self.distance(*item == own, occluder, way, least, bias) else { continue };
+                let goes_before = best.is_none_or(|(known, first)| {
+                    let is_first = (item.source, item.index) < (first.source, first.index);
+                    t < if is_first { known + room(known) } else { known - room(known) }
+                });
+                if goes_before {
                     best = Some((t, *item));
                 }
             }
-            Some(length)
+            Some(best.map_or(f32::INFINITY, |(t, _)| t + room(t)))
         });
         best
     }

@@ -143,7 +143,7 @@ impl<'a> Displaced<'a> {
             return true;
         }
         let Err(full) = guard::memory::check() else { return false };
-        self.scene.stop(&format!(
+        self.scene.stop(None, &format!(
             "no room for the displaced surfaces that rays meet: {full}, a greater `ShadingRate` takes less, and surfaces that \
              cast no shadows (`Attribute \"visibility\" \"transmission\" [0]`) take none"
         ));

@@ -1,5 +1,6 @@
 //! What all buckets of an image read.
 
+use crate::cpu::coplanar::Coplanar;
 use crate::cpu::displace::displace;
 use crate::cpu::displaced::Displace;
 use crate::cpu::known::Known;
@@ -20,6 +21,8 @@ pub struct Frame<'a> {
     pub rays: Rays<'a>,
     /// What rays of displacement shaders meet.
     pub displacement_rays: Arc<Rays<'a>>,
+    /// What lies behind others in its plane.
+    pub coplanar: Coplanar,
     /// Where displaced grids have been found.
     pub known: Known,
     /// The options.
@@ -52,8 +55,8 @@ impl<'a> Frame<'a> {
             Arc::new(move |subject, grid, machine| displace(scene, &met, subject, grid, machine));
         let rays = Rays::new(scene, &camera, &displace);
         let planes = camera.raster_planes(&options.clipping_planes);
-        let known = Known::default();
-        Frame { known, planes, scene, rays, displacement_rays, options, camera, jitter, filter, aovs, depth }
+        let (known, coplanar) = (Known::default(), Coplanar::of(scene));
+        Frame { known, coplanar, planes, scene, rays, displacement_rays, options, camera, jitter, filter, aovs, depth }
     }
 
     /// Pixels around a bucket that its filters reach into, along x and y.

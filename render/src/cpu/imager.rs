@@ -34,7 +34,7 @@ impl sl::machine::Scene for ImagerScene<'_> {
         self.0.print(text);
     }
     fn stop(&self, message: &str) {
-        self.0.stop(message);
+        self.0.stop(None, message);
     }
 
     fn warn(&self, message: String) {

@@ -1,5 +1,6 @@
 //! A grid on the raster: where its points fall at each moment of its item, and which of its micropolygons are sampled.
 
+use crate::cpu::coplanar::Behind;
 use crate::gprim::grid::Grid;
 use crate::scene::camera::{Camera, RasterBound};
 use crate::scene::motion::Instant;
@@ -25,9 +26,15 @@ impl Raster {
         both.map(|(a, b)| if b[2] > f32::NEG_INFINITY { [b[0] - a[0], b[1] - a[1]] } else { [0.0; 2] })
     }
 
-    /// Project the points of a grid at all moments of its item; the bound on the raster, blur included, and the least depth, `None`
-    /// if nothing is before the near plane.
-    pub fn project(&mut self, camera: &Camera, instants: &[Instant], grid: &Grid) -> Option<RasterBound> {
+    /// Project the points of a grid at all moments of its item, which may lie behind others in its plane; the bound on the raster, blur
+    /// included, and the least depth, `None` if nothing is before the near plane.
+    pub fn project(
+        &mut self,
+        camera: &Camera,
+        instants: &[Instant],
+        grid: &Grid,
+        behind: Option<&Behind>,
+    ) -> Option<RasterBound> {
         let n = grid.points.n();
         let p = grid.points.get(Global::P)?;
         let (mut min, mut max, mut z) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2], f32::INFINITY);
@@ -52,6 +59,9 @@ impl Raster {
                 max = [max[0].max(r.x + spread), max[1].max(r.y + spread)];
                 z = z.min(c.z);
             }
+        }
+        if let Some(behind) = behind {
+            behind.shift(camera, instants, &mut self.at);
         }
         (z <= camera.far).then_some(RasterBound { min: min.into(), max: max.into(), z })
     }

@@ -371,7 +371,7 @@ pub fn say_open(scene: &Scene) {
 }
 
 /// The facets of an item before displacement, as rays meet it; none of a whole sphere.
-fn still_facets(scene: &Scene, item: Item) -> Vec<[Vec3; 3]> {
+pub fn still_facets(scene: &Scene, item: Item) -> Vec<[Vec3; 3]> {
     match scene.place(item) {
         (Shape::Patches(patches, _), to_world) => {
             patches.iter().flat_map(|p| facets_of(p, Cut::of(p), to_world)).collect()
@@ -410,7 +410,7 @@ const MORE_LINES: usize = 256;
 const MOST_ODD: usize = 2;
 
 /// Whether lines through a primitive with these facets, from one side of it to the other, meet its surfaces an odd number of times.
-fn is_open(facets: &[[Vec3; 3]], count: &impl Fn(Vec3, Vec3, f32) -> usize) -> bool {
+pub fn is_open(facets: &[[Vec3; 3]], count: &impl Fn(Vec3, Vec3, f32) -> usize) -> bool {
     let sums = areas(facets);
     let area = sums.last().copied().unwrap_or(0.0);
     let hull = |(lo, hi): (Vec3, Vec3), p: &Vec3| (lo.min(*p), hi.max(*p));

@@ -4,7 +4,11 @@
 //! none, or is met from outside, a ray that left the surface that it started from or passed last outwards runs the exterior shader of
 //! that; by the normal there the way of the ray decides. What meets nothing goes through no volume that ends.
 
+use crate::cpu::bvh::Bvh;
+use crate::cpu::rays::{is_open, still_facets};
 use crate::scene::attributes::Attributes;
+use crate::scene::source::{Item, Source, SourceShape};
+use crate::scene::world::Scene as World;
 use glam::{Mat4, Vec3};
 use sl::Global;
 use sl::machine::{BoundShader, Machine, Points, Scene, VariableSlots};
@@ -47,5 +51,51 @@ impl<'a> Leg<'a> {
             _ => [0.0; 3],
         };
         [triple(Global::Ci), triple(Global::Oi)]
+    }
+}
+
+/// Say of volume shaders that do nothing, or less than they may be meant to: no shader traces rays, or what has an interior encloses nothing.
+pub fn say_idle(scene: &World) {
+    let has_volumes = |source: &&Source| source.attributes.has_volumes();
+    let Some(first) = scene.sources.iter().find(has_volumes) else { return };
+    if scene.sources.iter().all(|source| !source.attributes.traces()) {
+        let message =
+            "`Interior` and `Exterior` are for rays that shaders trace, and no shader here traces any: they do nothing";
+        scene.warnings.add_at(first.spot, message.into());
+        return;
+    }
+    // What has one interior may enclose a volume together. Spheres enclose theirs.
+    let mut groups: Vec<(&Arc<BoundShader>, Vec<usize>)> = vec![];
+    for (s, source) in scene.sources.iter().enumerate() {
+        let a = &source.attributes;
+        let Some((interior, _)) = a.interior.as_ref().filter(|_| a.solid.is_none()) else { continue };
+        if matches!(source.shape, SourceShape::Spheres(_)) {
+            continue;
+        }
+        match groups.iter_mut().find(|(known, _)| Arc::ptr_eq(known, interior)) {
+            Some((_, sources)) => sources.push(s),
+            None => groups.push((interior, vec![s])),
+        }
+    }
+    for (interior, sources) in groups {
+        let of = |s: &usize| {
+            let source = *s as u32;
+            (0..scene.sources[*s].len()).map(move |i| Item { source, index: i as u32 })
+        };
+        let items: Vec<Item> = sources.iter().flat_map(of).collect();
+        let bvh = Bvh::of(scene, items.iter().copied());
+        let facets: Vec<_> = items.iter().flat_map(|item| still_facets(scene, *item)).collect();
+        let count = |from: Vec3, dir: Vec3, bias: f32| {
+            let mut met = vec![];
+            bvh.crossings(None, from, dir, [bias; 2], &mut met);
+            met.len()
+        };
+        if is_open(&facets, &count) {
+            let message = format!(
+                "what has the interior `{}` does not enclose a volume: it is run for rays that meet it from behind alone",
+                interior.program.name
+            );
+            scene.warnings.add_at(scene.sources[sources[0]].spot, message);
+        }
     }
 }

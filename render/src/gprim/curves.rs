@@ -16,6 +16,22 @@ pub struct CurveSegments {
     pub n_varying: usize,
 }
 
+impl CurveSegments {
+    /// Of a linear curve, the far ends of the segments before and after one that are no points.
+    pub fn beside(&self, k: usize, (cubic, periodic): (bool, bool)) -> [Option<Vec3>; 2] {
+        let n = self.segments.len();
+        if cubic {
+            return [None, None];
+        }
+        let (before, after) = if periodic { (n - 1, n - 1) } else { (k, n - 1 - k) };
+        let far = |k: usize, end: usize| {
+            let c = &self.segments[k % n].control;
+            (c[0] != c[3]).then_some(c[end])
+        };
+        [(1..=before).find_map(|i| far(k + n - i, 0)), (1..=after).find_map(|i| far(k + i, 3))]
+    }
+}
+
 /// A segment of a curve.
 pub struct Segment {
     /// Its control points, Bézier.
@@ -70,22 +86,48 @@ pub fn along<T: Copy + Mul<f32, Output = T> + Sum>(p: [T; 4], basis: &[f32; 16])
     [bezier[0], bezier[1], bezier[2], bezier[3]]
 }
 
+/// How much longer than half a width a mitre may be.
+const LONGEST_MITRE: f32 = 4.0;
+
 /// A segment as a ribbon of given widths at its control points: square to `facing(point, part)`, at a part of the segment; u
-/// across and v along.
-pub fn ribbon(curve: &[Vec3; 4], widths: [f32; 4], v: [f32; 2], facing: impl Fn(Vec3, f32) -> Vec3) -> Patch {
+/// across and v along. Where `neighbours` of a straight segment go on another way, ends are cut so that both ribbons share an edge.
+pub fn ribbon(
+    curve: &[Vec3; 4],
+    neighbours: [Option<Vec3>; 2],
+    widths: [f32; 4],
+    v: [f32; 2],
+    facing: impl Fn(Vec3, f32) -> Vec3,
+) -> Patch {
     let mut p = [Vec3::ZERO; 16];
     let tangent = |k: usize| {
         let (a, b) = (curve[k.saturating_sub(1)], curve[(k + 1).min(3)]);
         let d = if b != a { b - a } else { curve[3] - curve[0] };
         d.normalize_or_zero()
     };
+    let face = |k: usize| facing(curve[k], k as f32 / 3.0);
+    // Its normal, which is that of u and v, is then `facing`.
+    let mut sides = [0, 1, 2, 3].map(|k| tangent(k).cross(face(k)).normalize_or_zero() * (0.5 * widths[k]));
+    let ends = [(0, neighbours[0].map(|to| curve[0] - to)), (3, neighbours[1].map(|to| to - curve[3]))];
+    let mitred = ends.map(|(k, other)| mitre(curve[3] - curve[0], other?, face(k), 0.5 * widths[k]));
+    if mitred != [None, None] {
+        let [a, b] = [mitred[0].unwrap_or(sides[0]), mitred[1].unwrap_or(sides[3])];
+        sides = [0.0, 1.0, 2.0, 3.0].map(|k| a.lerp(b, k / 3.0));
+    }
     for k in 0..4 {
-        let half = 0.5 * widths[k];
-        // Its normal, which is that of u and v, is then `facing`.
-        let side = tangent(k).cross(facing(curve[k], k as f32 / 3.0)).normalize_or_zero() * half;
         for i in 0..4 {
-            p[4 * k + i] = curve[k] + side * (i as f32 / 1.5 - 1.0);
+            p[4 * k + i] = curve[k] + sides[k] * (i as f32 / 1.5 - 1.0);
         }
     }
     Patch::smooth(p, [0.0, 1.0], v)
+}
+
+/// From where two straight ribbons meet to where their edges do; none where these are too far away, or one ribbon is too short for it.
+fn mitre(own: Vec3, other: Vec3, facing: Vec3, half: f32) -> Option<Vec3> {
+    let sides = [own, other].map(|along| along.cross(facing).try_normalize());
+    let [Some(a), Some(b)] = sides else { return None };
+    // Half the turn between them has this cosine, and this sine.
+    let (cosine, sine) = (0.5 * (a + b).length(), 0.5 * (a - b).length());
+    let shortest = own.length().min(other.length());
+    let fits = LONGEST_MITRE * cosine >= 1.0 && half * sine <= 0.5 * shortest * cosine;
+    (fits && sine > 0.0).then(|| (a + b) * (half / (2.0 * cosine * cosine)))
 }

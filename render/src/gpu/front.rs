@@ -319,7 +319,8 @@ impl Sink for Taken<'_> {
         let Subject { item, view, instants, camera, .. } = self.subject;
         displace(self.frame.scene, &self.frame.displacement_rays, &self.subject, grid, self.machine);
         face_eye(&self.subject, grid);
-        let Some(bound) = self.raster.project(camera, instants, grid) else { return };
+        let behind = self.frame.coplanar.behind(item);
+        let Some(bound) = self.raster.project(camera, instants, grid, behind) else { return };
         self.stats.grids += 1;
         if !self.shows(&bound) {
             self.stats.grids_hidden += 1;

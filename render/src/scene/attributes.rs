@@ -288,6 +288,19 @@ impl Attributes {
         shaders.into_iter().any(|shader| shader.program.reads_neighbours)
     }
 
+    /// Whether it has the very shaders and lights of another.
+    pub fn has_shaders_of(&self, other: &Attributes) -> bool {
+        let alike = |a: &Option<Arc<BoundShader>>, b: &Option<Arc<BoundShader>>| match (a, b) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        Arc::ptr_eq(&self.surface, &other.surface)
+            && alike(&self.displacement, &other.displacement)
+            && alike(&self.atmosphere, &other.atmosphere)
+            && self.light_list.len() == other.light_list.len()
+            && self.light_list.iter().zip(other.light_list.iter()).all(|(a, b)| Arc::ptr_eq(a, b))
+    }
+
     /// Whether it has volume shaders for rays.
     pub fn has_volumes(&self) -> bool {
         self.interior.is_some() || self.exterior.is_some()

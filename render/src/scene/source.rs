@@ -87,7 +87,7 @@ pub struct Source {
 }
 
 /// Source and index within it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Item {
     /// Index into the sources.
     pub source: u32,

@@ -7,7 +7,7 @@ use crate::scene::shape::Shape;
 use crate::scene::solid::Solids;
 use crate::scene::source::{Item, ItemView, Source, SourceShape, instance_color, unscaled};
 use crate::texture::Textures;
-use crate::warnings::Warnings;
+use crate::warnings::{Spot, Warnings};
 use glam::{Mat4, Vec3};
 use sl::ir::{Ask, Program};
 use sl::machine::Answer;
@@ -47,8 +47,8 @@ pub struct Scene {
     pub warnings: Warnings,
     /// Bytes that shaders have printed.
     pub printed: AtomicUsize,
-    /// What is wrong with a shader whose loops did not end.
-    pub stopped: OnceLock<String>,
+    /// What is wrong with a shader whose loops did not end, and the source that it ran on, if it did.
+    pub stopped: OnceLock<(String, Option<u32>)>,
     /// Points to which a shader gave colours that are no finite numbers, by the shader as it is named, and the first source.
     pub unfinite: Mutex<BTreeMap<String, (usize, u32)>>,
     /// The same of opacities below 0 or above 1.
@@ -79,13 +79,21 @@ impl Scene {
     }
 
     /// Take that the loops of a shader do not end: nothing more is rendered.
-    pub fn stop(&self, message: &str) {
-        let _ = self.stopped.set(message.into());
+    pub fn stop(&self, source: Option<u32>, message: &str) {
+        let _ = self.stopped.set((message.into(), source));
     }
 
     /// What is said of the shader whose loops did not end, if there is one.
     pub fn stopped(&self) -> Option<&str> {
-        self.stopped.get().map(String::as_str)
+        self.stopped.get().map(|(message, _)| message.as_str())
+    }
+
+    /// Where the first primitive stands that such a shader runs on.
+    pub fn stopped_at(&self) -> Option<Spot> {
+        let (_, source) = self.stopped.get()?;
+        let found = self.sources.get((*source)? as usize)?;
+        let has_its_shaders = |other: &&Source| other.attributes.has_shaders_of(&found.attributes);
+        self.sources.iter().find(has_its_shaders).unwrap_or(found).spot
     }
 
     /// All items, in order, but for those that are as others before them.

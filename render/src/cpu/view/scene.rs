@@ -43,7 +43,7 @@ impl sl::machine::Scene for View<'_> {
     }
 
     fn stop(&self, message: &str) {
-        self.scene.stop(message);
+        self.scene.stop(Some(self.item.source), message);
     }
 
     fn warn(&self, message: String) {
