@@ -14,12 +14,12 @@ use crate::scene::attributes::Attributes;
 use crate::scene::source::{Item, ItemView};
 use crate::scene::world::Scene;
 use crate::stats::Stats;
-use gpu::{Buffer, Device, GpuError, Kernels, Work};
+use gpu::{Buffer, Commands, Device, GpuError, Kernels, Work};
 use rayon::prelude::*;
 use sl::Global;
 use sl::ir::{Ask, Lookup};
 use sl::machine::BoundShader;
-use sl::wgsl::{Batch, Host, Kernel, Query, Target};
+use sl::wgsl::{Batch, Extent, Host, Kernel, Query, Target};
 use std::sync::Arc;
 
 /// Points of a grid that looks at neighbours, at least as many as any has.
@@ -264,7 +264,7 @@ impl<'a> Shaders<'a> {
         sums.take_while(|sum| *sum < self.most_values).count().clamp(1, own.len())
     }
 
-    /// Shade grids of a look: parts of them are prepared by several threads, and each is run by itself.
+    /// Shade grids of a look: parts of them are prepared by several threads, and run together.
     fn run(
         &self,
         frame: &Frame<'_>,
@@ -279,14 +279,19 @@ impl<'a> Shaders<'a> {
         let n_parts = own.len().div_ceil(LEAST).min(rayon::current_num_threads());
         let prepare = |part: &[Wanted]| Prepared::new(frame, look, grids, (part, wanted), goal.outputs.is_some());
         let parts: Vec<_> = own.par_chunks(own.len().div_ceil(n_parts)).map(prepare).collect();
-        // What the kernels of all parts find wrong.
+        // One behind the other, so that one dispatch shades them all.
+        let mut parts: Vec<Prepared<'_>> = parts.into_iter().collect::<Result<_, _>>()?;
+        let [mut before, mut before_later] = [Extent::default(); 2];
+        for part in &mut parts {
+            stats.shaded_points += part.few.n_points as u64;
+            part.place([&mut before, &mut before_later]);
+        }
+        parts.par_iter_mut().for_each(Prepared::move_on);
         let status = |kernel: &Kernel| Buffer::<u32>::zeros(self.device, "status", kernel.n_status());
         let status = [status(&look.kernel)?, status(look.through.as_ref().unwrap_or(&look.kernel))?];
-        for part in parts {
-            let part = part?;
-            stats.shaded_points += part.few.n_points as u64;
-            self.run_part(frame, look, &part, goal, &status)?;
-        }
+        self.run_parts(frame, look, &parts, goal, &status)?;
+        // They are large.
+        parts.into_par_iter().for_each(drop);
         for (kernel, status) in [Some(&look.kernel), look.through.as_ref()].into_iter().zip(&status) {
             let Some(kernel) = kernel else { continue };
             if let Some(fault) = kernel.faults(&status.read(self.device, kernel.n_status())?).first() {
@@ -297,61 +302,88 @@ impl<'a> Shaders<'a> {
     }
 
     /// Run the kernels of a look over some points, and take what they find; `status` takes their faults.
-    fn run_part(
+    fn run_parts(
         &self,
         frame: &Frame<'_>,
         look: &Look,
-        part: &Prepared<'_>,
+        parts: &[Prepared<'_>],
         goal: Goal<'_>,
         status: &[Buffer<u32>; 2],
     ) -> Result<(), Refusal> {
-        let Prepared { batch, later, few } = part;
-        let results = self.dispatch(frame, (&look.kernel, batch), Before::Caps(few, goal), &status[0])?;
-        self.take_given(few, look, goal)?;
-        self.take(&look.kernel, batch, few, &results, (look, 0), goal)?;
-        if let Some(outputs) = goal.outputs {
-            self.take_outputs(outputs, &few.rows, &results)?;
-            let given = Buffer::of(self.device, "given outputs", &few.given_outputs)?;
-            self.take_outputs(outputs, &few.given_rows, &given)?;
+        let batches: Vec<&Batch<'_>> = parts.iter().map(|part| &part.batch).collect();
+        let mut commands = staged("shade");
+        let first = Before::Caps(parts, goal);
+        let results = self.dispatch(frame, (&look.kernel, &batches), first, &status[0], &mut commands)?;
+        let own = parts.iter().map(|part| (&part.few, &part.batch));
+        self.take(&look.kernel, own, &results, (look, 0), goal, &mut commands)?;
+        commands.send(self.device)?;
+        for part in parts {
+            self.take_given(&part.few, look, goal)?;
+            if let Some(outputs) = goal.outputs {
+                self.take_outputs(outputs, &part.few.rows, &results)?;
+                let given = Buffer::of(self.device, "given outputs", &part.few.given_outputs)?;
+                self.take_outputs(outputs, &part.few.given_rows, &given)?;
+            }
         }
-        if let (Some(kernel), Some(later)) = (&look.through, later) {
+        if let Some(kernel) = &look.through {
             // What the atmosphere leaves is as the surface has it.
-            let runs = few.relays(batch, &look.kernel, later);
-            let passed = self.dispatch(frame, (kernel, later), Before::Surface(&results, &runs), &status[1])?;
-            self.take(kernel, later, few, &passed, (look, 1), goal)?;
+            let own = || parts.iter().filter_map(|part| Some((&part.few, &part.batch, part.later.as_ref()?)));
+            let runs: Vec<_> = own().flat_map(|(few, batch, later)| few.relays(batch, &look.kernel, later)).collect();
+            let batches: Vec<&Batch<'_>> = own().map(|(_, _, later)| later).collect();
+            let mut commands = staged("shade");
+            let before = Before::Surface(&results, &runs);
+            let passed = self.dispatch(frame, (kernel, &batches), before, &status[1], &mut commands)?;
+            let own = own().map(|(few, _, later)| (few, later));
+            self.take(kernel, own, &passed, (look, 1), goal, &mut commands)?;
+            commands.send(self.device)?;
         }
         self.kept.give("results", results);
         Ok(())
     }
 
-    /// Run a kernel, whose values take what there is before it.
+    /// Record that a kernel runs over batches that stand one behind the other, whose values take what there is before it.
     fn dispatch(
         &self,
         frame: &Frame<'_>,
-        (kernel, batch): (&Kernel, &Batch<'_>),
+        (kernel, batches): (&Kernel, &[&Batch<'_>]),
         before: Before<'_>,
         status: &Buffer<u32>,
+        commands: &mut Commands,
     ) -> Result<Buffer<f32>, Refusal> {
         let device = self.device;
         let compiled = self.kernels.get(device, "shader", &kernel.text, &[])?;
+        let mut all = Extent::default();
+        batches.iter().for_each(|batch| all += batch.extent());
         // Kernels ask for its length.
-        let groups_of = Buffer::of(device, "groups", &batch.groups)?;
+        let groups: Vec<[u32; 2]> = batches.iter().flat_map(|batch| &batch.groups).copied().collect();
+        let groups_of = Buffer::of(device, "groups", &groups)?;
         let kept = self.kept;
-        let grids = kept.filled(device, "grids", &batch.grids)?;
-        let slots = kept.filled(device, "slots", &batch.slots)?;
-        let lights = kept.filled(device, "lights", &batch.lights)?;
-        let values = kept.take(device, "values", batch.n_values())?;
-        values.write(device, &batch.values);
-        let results = kept.take(device, "results", batch.n_results())?;
-        let mut commands = staged("shade");
+        let grids = kept.take(device, "grids", all.grids)?;
+        let slots = kept.take(device, "slots", all.slots)?;
+        let lights = kept.take(device, "lights", all.lights)?;
+        let values = kept.take(device, "values", all.values)?;
+        let results = kept.take(device, "results", all.results)?;
+        for batch in batches {
+            let first = batch.before();
+            grids.write_from(device, first.grids, &batch.grids);
+            slots.write_from(device, first.slots, &batch.slots);
+            lights.write_from(device, first.lights, &batch.lights);
+            values.write_from(device, first.values, &batch.values);
+        }
         match before {
-            Before::Caps(few, goal) if !few.of_caps.is_empty() => {
-                let given = kept.filled(device, "shaded caps", &few.of_caps)?;
-                let n = few.of_caps.len() / 2;
-                goal.caps.give(device, self.own, frame, &mut commands, (&given, goal.wanted, &values), n);
-                kept.give("shaded caps", given);
+            Before::Caps(parts, goal) => {
+                let n: usize = parts.iter().map(|part| part.few.of_caps.len() / 2).sum();
+                if n > 0 {
+                    let given = kept.take(device, "shaded caps", 2 * n)?;
+                    let mut first = 0;
+                    for part in parts {
+                        given.write_from(device, first, &part.few.of_caps);
+                        first += part.few.of_caps.len();
+                    }
+                    goal.caps.give(device, self.own, frame, commands, (&given, goal.wanted, &values), n);
+                    kept.give("shaded caps", given);
+                }
             }
-            Before::Caps(..) => {}
             Before::Surface(found, runs) => {
                 let n = runs.len();
                 let runs = Buffer::of(device, "runs", runs)?;
@@ -364,8 +396,7 @@ impl<'a> Shaders<'a> {
         if FUNCTIONS[0].iter().any(|(query, _)| kernel.asks(*query)) {
             bound.push(self.world.bind());
         }
-        commands.dispatch(device, &compiled, &bound, &[], Work::Groups(batch.groups.len() as u32));
-        commands.send(device)?;
+        commands.dispatch(device, &compiled, &bound, &[], Work::Groups(groups.len() as u32));
         kept.give("grids", grids);
         kept.give("slots", slots);
         kept.give("lights", lights);
@@ -373,22 +404,28 @@ impl<'a> Shaders<'a> {
         Ok(results)
     }
 
-    /// Take the colours and opacities that a kernel has found, if it gives any: that of the surface, 0, or of the atmosphere, 1, of a look.
-    fn take(
+    /// Record that the colours and opacities are taken that a kernel has found, if it gives any: that of the surface, 0, or of the atmosphere, 1, of
+    /// a look.
+    fn take<'b>(
         &self,
         kernel: &Kernel,
-        batch: &Batch<'_>,
-        few: &Few<'_>,
+        own: impl Iterator<Item = (&'b Few<'b>, &'b Batch<'b>)>,
         results: &Buffer<f32>,
-        (look, index): (&Look, u32),
+        by: (&Look, u32),
         goal: Goal<'_>,
+        commands: &mut Commands,
     ) -> Result<(), GpuError> {
         let [color, opacity] = [Global::Ci, Global::Oi].map(|g| offset_of(kernel, g).map_or(u32::MAX, |n| n as u32));
         if [color, opacity] == [u32::MAX; 2] {
             return Ok(());
         }
-        let rows: Vec<_> = few.grids.iter().enumerate().flat_map(|(k, grid)| grid.rows(batch.results_of(k))).collect();
-        self.put(&rows, results, [color, opacity], (look, index), goal)
+        let of_grid = |(few, batch): (&'b Few<'b>, &'b Batch<'b>)| {
+            few.grids.iter().enumerate().flat_map(|(k, grid)| grid.rows(batch.results_of(k)))
+        };
+        let rows: Vec<_> = own.flat_map(of_grid).collect();
+        let rows = self.put(&rows, results, [color, opacity], by, goal, commands)?;
+        self.kept.give("shaded grids", rows);
+        Ok(())
     }
 
     /// Take the opacities of points whose surface shader leaves them as they are given.
@@ -398,10 +435,14 @@ impl<'a> Shaders<'a> {
         }
         let rows: Vec<_> = few.grids.iter().flat_map(|grid| grid.rows_of_opacities()).collect();
         let given = Buffer::of(self.device, "given opacities", &few.opacities)?;
-        self.put(&rows, &given, [u32::MAX, 0], (look, 0), goal)
+        let mut commands = staged("shade");
+        let rows = self.put(&rows, &given, [u32::MAX, 0], (look, 0), goal, &mut commands)?;
+        commands.send(self.device)?;
+        self.kept.give("shaded grids", rows);
+        Ok(())
     }
 
-    /// Put colours and opacities among those of all points; two rows a grid.
+    /// Record that colours and opacities are put among those of all points, by two rows a grid; these rows on the device.
     fn put(
         &self,
         rows: &[[u32; 4]],
@@ -409,7 +450,8 @@ impl<'a> Shaders<'a> {
         [color, opacity]: [u32; 2],
         (look, index): (&Look, u32),
         goal: Goal<'_>,
-    ) -> Result<(), GpuError> {
+        commands: &mut Commands,
+    ) -> Result<Buffer<[u32; 4]>, GpuError> {
         let n = rows.len() / 2;
         let rows = self.kept.filled(self.device, "shaded grids", rows)?;
         let changes = |kernel: &Kernel| offset_of(kernel, Global::Oi).is_some();
@@ -418,11 +460,8 @@ impl<'a> Shaders<'a> {
         let opacities = goal.opacities.unwrap_or(&self.nothing);
         let bound =
             [rows.bind(), goal.wanted.bind(), results.bind(), goal.colors.bind(), opacities.bind(), look.lost.bind()];
-        let mut commands = staged("shade");
         commands.dispatch(self.device, &self.own.point_colors, &bound, &params, groups(n, 1));
-        commands.send(self.device)?;
-        self.kept.give("shaded grids", rows);
-        Ok(())
+        Ok(rows)
     }
 
     /// Put what displays take besides colours among that of all points.
@@ -449,7 +488,7 @@ struct Wanted {
 /// What goes to values before a kernel runs.
 enum Before<'a> {
     /// Points of tiles that the device dices.
-    Caps(&'a Few<'a>, Goal<'a>),
+    Caps(&'a [Prepared<'a>], Goal<'a>),
     /// What a surface's kernel has found, by runs.
     Surface(&'a Buffer<f32>, &'a [[u32; 4]]),
 }
@@ -459,6 +498,8 @@ struct Prepared<'a> {
     batch: Batch<'a>,
     later: Option<Batch<'a>>,
     few: Few<'a>,
+    /// What stands before the batches in the buffers of their kernels.
+    before: [Extent; 2],
 }
 
 impl<'a> Prepared<'a> {
@@ -481,7 +522,30 @@ impl<'a> Prepared<'a> {
         }
         let first = batch.place_filled() as u32;
         few.of_caps.iter_mut().step_by(2).for_each(|row| row[3] += first);
-        Ok(Prepared { batch, later, few })
+        let before = [Extent::default(); 2];
+        Ok(Prepared { batch, later, few, before })
+    }
+
+    /// Note what stands before it in the buffers of the kernels, that of the surface and that of the atmosphere, and add what it has.
+    fn place(&mut self, before: [&mut Extent; 2]) {
+        for ((own, before), batch) in self.before.iter_mut().zip(before).zip([Some(&self.batch), self.later.as_ref()]) {
+            *own = *before;
+            *before += batch.map_or_else(Extent::default, Batch::extent);
+        }
+    }
+
+    /// Move all of its places on by what stands before it.
+    fn move_on(&mut self) {
+        let [before, before_later] = self.before;
+        let (values, results) = (before.values as u32, before.results as u32);
+        for rows in self.few.of_caps.as_chunks_mut::<2>().0 {
+            (rows[0][3], rows[1][0]) = (rows[0][3] + values, rows[1][0] + values);
+        }
+        self.few.rows.iter_mut().for_each(|row| row[1] += results);
+        self.batch.stand_behind(before);
+        if let Some(later) = &mut self.later {
+            later.stand_behind(before_later);
+        }
     }
 }
 
