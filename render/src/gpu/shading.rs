@@ -11,15 +11,16 @@ use crate::gpu::outputs::Outputs;
 use crate::gpu::refusal::Refusal;
 use crate::gpu::world::{DECLARATIONS, FUNCTIONS, OF_RAYS};
 use crate::scene::attributes::Attributes;
-use crate::scene::source::{Item, ItemView};
+use crate::scene::source::{Item, ItemView, Source};
 use crate::scene::world::Scene;
 use crate::stats::Stats;
 use gpu::{Buffer, Commands, Device, GpuError, Kernels, Work};
 use rayon::prelude::*;
 use sl::Global;
-use sl::ir::{Ask, Lookup};
+use sl::ir::{Ask, Lookup, Program};
 use sl::machine::BoundShader;
 use sl::wgsl::{Batch, Extent, Host, Kernel, Query, Target};
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// Points of a grid that looks at neighbours, at least as many as any has.
@@ -90,12 +91,25 @@ impl<'a> Shaders<'a> {
     /// # Errors
     /// A shader that has no kernel.
     pub fn find(&mut self, frame: &Frame<'_>, layered: &[bool]) -> Result<[bool; 2], Refusal> {
-        for (k, source) in frame.scene.sources.iter().enumerate() {
-            let is_shaded = !source.attributes.matte || layered[k];
-            if source.attributes.visible && is_shaded && source.len() > 0 {
-                let item = Item { source: k as u32, index: 0 };
-                self.look(frame, item, &frame.scene.view(item))?;
+        let is_wanted = |source: &Source, is_layered: bool| {
+            let is_shaded = !source.attributes.matte || is_layered;
+            source.attributes.visible && is_shaded && source.len() > 0
+        };
+        let sources = (0..).zip(&frame.scene.sources).zip(layered);
+        let wanted = sources.filter(|((_, source), is_layered)| is_wanted(source, **is_layered));
+        let items: Vec<Item> = wanted.map(|((source, _), _)| Item { source, index: 0 }).collect();
+        // Those of programs are written at once; the others differ from these in numbers alone, as far as strings do not.
+        let mut known = HashSet::new();
+        let first: Vec<Item> =
+            items.iter().copied().filter(|item| known.insert(programs_of(frame.scene.attributes(*item)))).collect();
+        let written: Vec<_> = first.par_iter().map(|item| self.write(frame, *item, &frame.scene.view(*item))).collect();
+        for (item, kernels) in first.into_iter().zip(written) {
+            if self.known(frame.scene.attributes(item)).is_none() {
+                self.push(frame.scene.attributes(item), kernels?)?;
             }
+        }
+        for item in items {
+            self.look(frame, item, &frame.scene.view(item))?;
         }
         let kernels = || self.looks.iter().flat_map(|look| [Some(&look.kernel), look.through.as_ref()]).flatten();
         let asks = |queries: &[Query]| kernels().any(|kernel| queries.iter().any(|query| kernel.asks(*query)));
@@ -138,27 +152,37 @@ impl<'a> Shaders<'a> {
 
     /// The index of what an item of a view looks by.
     fn look(&mut self, frame: &Frame<'_>, item: Item, view: &ItemView<'_>) -> Result<usize, Refusal> {
-        let a = view.attributes;
-        if let Some(k) = self.looks.iter().position(|look| look.is_of(a)) {
-            return Ok(k);
+        match self.known(view.attributes) {
+            Some(k) => Ok(k),
+            None => self.push(view.attributes, self.write(frame, item, view)?),
         }
+    }
+
+    /// The index of what primitives of some attributes look by, if it is there.
+    fn known(&self, a: &Attributes) -> Option<usize> {
+        self.looks.iter().position(|look| look.is_of(a))
+    }
+
+    /// Write the kernels of an item of a view: that of its surface, and that of its atmosphere.
+    fn write(&self, frame: &Frame<'_>, item: Item, view: &ItemView<'_>) -> Result<(Kernel, Option<Kernel>), Refusal> {
+        let a = view.attributes;
         let scene = View::new(frame.scene, &frame.rays, item, view, [0.0; 2]);
         let kernel = self.kernel(frame, &a.surface, &a.light_list, &scene)?;
-        let through = a.atmosphere.as_ref().map(|shader| {
-            let scene = View { shader_to_world: a.atmosphere_space, ..scene };
-            self.kernel(frame, shader, &a.light_list, &scene)
-        });
-        let through = through.transpose()?;
-        if let (Some(shader), Some(through)) = (&a.atmosphere, &through) {
-            if through.asks_by_name(Ask::Surface) {
-                return Err(Refusal::of_shader(&shader.program.name, "asks a surface shader what it has left"));
-            }
-            let changes = |target| !matches!(target, Target::Global(Global::Ci | Global::Oi) | Target::Parameter(_));
-            if kernel.outputs().iter().any(|output| changes(output.target)) {
-                let name = &a.surface.program.name;
-                return Err(Refusal::of_shader(name, "changes more than colours before an atmosphere"));
-            }
+        let Some(shader) = &a.atmosphere else { return Ok((kernel, None)) };
+        let scene = View { shader_to_world: a.atmosphere_space, ..scene };
+        let through = self.kernel(frame, shader, &a.light_list, &scene)?;
+        if through.asks_by_name(Ask::Surface) {
+            return Err(Refusal::of_shader(&shader.program.name, "asks a surface shader what it has left"));
         }
+        let changes = |target| !matches!(target, Target::Global(Global::Ci | Global::Oi) | Target::Parameter(_));
+        if kernel.outputs().iter().any(|output| changes(output.target)) {
+            return Err(Refusal::of_shader(&a.surface.program.name, "changes more than colours before an atmosphere"));
+        }
+        Ok((kernel, Some(through)))
+    }
+
+    /// Add what primitives of some attributes look by; its index.
+    fn push(&mut self, a: &Attributes, (kernel, through): (Kernel, Option<Kernel>)) -> Result<usize, Refusal> {
         let (surface, lights, atmosphere) = (a.surface.clone(), a.light_list.clone(), a.atmosphere.clone());
         let lost =
             Buffer::of(self.device, "points without finite colours", &[0, u32::MAX, 0, u32::MAX, 0, 0, u32::MAX])?;
@@ -547,6 +571,12 @@ impl<'a> Prepared<'a> {
             later.stand_behind(before_later);
         }
     }
+}
+
+/// The programs of the shaders that primitives of some attributes look by, and the lights that shine on them, by where they are.
+fn programs_of(a: &Attributes) -> (*const Program, Option<*const BoundShader>, Vec<*const BoundShader>) {
+    let lights = a.light_list.iter().map(Arc::as_ptr).collect();
+    (Arc::as_ptr(&a.surface.program), a.atmosphere.as_ref().map(Arc::as_ptr), lights)
 }
 
 impl Look {

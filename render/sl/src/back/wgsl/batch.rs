@@ -309,10 +309,16 @@ impl<'k> Batch<'k> {
         points: &Points,
         (scene, filled): (&dyn Scene, &[Global]),
     ) -> Result<(), Refused> {
+        /// Globals that kernels read besides those of their shaders: what lights are asked for.
+        const ALWAYS: [Global; 3] = [Global::P, Global::N, Global::I];
         let n = points.n();
         let first = self.n_filled;
         for global in Global::all() {
             let width = global.kind().width();
+            if !ALWAYS.contains(&global) && bound.program.global(global).is_none() {
+                self.slots.push(NONE);
+                continue;
+            }
             if let Some(k) = filled.iter().position(|own| *own == global) {
                 let before: usize = filled[..k].iter().map(|own| own.kind().width()).sum();
                 self.filled.push(self.slots.len() as u32);
@@ -344,7 +350,8 @@ impl<'k> Batch<'k> {
 
     /// What the points stand for: 1 more than where that begins among the values, 0 if they stand for their micropolygons.
     fn footprints(&mut self, points: &Points) -> u32 {
-        if points.footprints.is_empty() {
+        // Kernels that do not look at neighbours read none.
+        if points.footprints.is_empty() || !self.kernel.grid {
             return 0;
         }
         let first = self.values.len() as u32 + 1;
