@@ -356,34 +356,6 @@ fn an_image_does_not_depend_on_what_is_on_the_device_at_a_time() {
     assert!(whole.identities == ranges.identities && whole.image == ranges.image);
 }
 
-/// What is nearest at a sample is found in one pass where a device has atomics of 64 bits, else in two: the same bits. Several waves and several
-/// flushes of them, so that what is equally deep meets what has its colour.
-#[test]
-fn one_pass_of_sampling_sees_what_two_see() {
-    let open = || gpu::Device::open(&gpu::Choice::Any).unwrap();
-    if device().is_none() {
-        return;
-    }
-    let wall = "Patch \"bilinear\" \"P\" [-2 -2 0 2 -2 0 -2 2 0 2 2 0] Color [0.2 0.4 0.9]";
-    let glass = "Opacity [0.5 0.3 0.8] Sphere 1.2 -1.2 1.2 360";
-    let moving = "MotionBegin [0 1] Translate 0 0 0 Translate 0.3 0.1 0 MotionEnd";
-    for (name, options, motion) in
-        [("still", "", ""), ("motion", "Shutter 0 1", moving), ("lens", "DepthOfField 4 0.3 5.5", "")]
-    {
-        let camera = CAMERA.replacen("Translate", &format!("{options} Translate"), 1);
-        let rib = format!("{camera}{LIT}{motion} {wall} {wall} {wall} {} {glass} WorldEnd", balls(40));
-        let images = [open(), open().without_wide_atomics()].map(|device| {
-            let mut own = DeviceRenderer::new(device).unwrap();
-            (own.limits.wave, own.limits.points) = ([1 << 10, 1 << 11], 1 << 12);
-            render(&rib, Some(Arc::new(own)), None)
-        });
-        let [one, two] = &images;
-        assert!(images.iter().all(|image| image.drawn_by == DrawnBy::Gpu), "{name}");
-        assert!(one.identities == two.identities && one.image == two.image, "{name}");
-        assert!(one.identities.iter().any(|id| *id != 0), "{name}");
-    }
-}
-
 /// Clipping planes, levels of detail that fade into each other, and colours and opacities that move.
 #[test]
 fn what_is_there_in_part_is_the_same_on_a_device() {

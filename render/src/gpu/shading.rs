@@ -5,7 +5,7 @@ use crate::cpu::view::View;
 use crate::gpu::caps::Caps;
 use crate::gpu::few::{Chosen, Few, count_of, offset_of};
 use crate::gpu::front::Diced;
-use crate::gpu::kept::Kept;
+use crate::gpu::kept::{Kept, Recorded};
 use crate::gpu::kernels::{FrameKernels, groups, staged};
 use crate::gpu::outputs::Outputs;
 use crate::gpu::refusal::Refusal;
@@ -14,7 +14,7 @@ use crate::scene::attributes::Attributes;
 use crate::scene::source::{Item, ItemView, Source};
 use crate::scene::world::Scene;
 use crate::stats::Stats;
-use gpu::{Buffer, Commands, Device, GpuError, Kernels, Work};
+use gpu::{Buffer, Device, GpuError, Kernels, Work};
 use rayon::prelude::*;
 use sl::Global;
 use sl::ir::{Ask, Lookup, Program};
@@ -335,12 +335,12 @@ impl<'a> Shaders<'a> {
         status: &[Buffer<u32>; 2],
     ) -> Result<(), Refusal> {
         let batches: Vec<&Batch<'_>> = parts.iter().map(|part| &part.batch).collect();
-        let mut commands = staged("shade");
+        let mut recorded = Recorded::new(staged("shade"));
         let first = Before::Caps(parts, goal);
-        let results = self.dispatch(frame, (&look.kernel, &batches), first, &status[0], &mut commands)?;
+        let results = self.dispatch(frame, (&look.kernel, &batches), first, &status[0], &mut recorded)?;
         let own = parts.iter().map(|part| (&part.few, &part.batch));
-        self.take(&look.kernel, own, &results, (look, 0), goal, &mut commands)?;
-        commands.send(self.device)?;
+        self.take(&look.kernel, own, &results, (look, 0), goal, &mut recorded)?;
+        recorded.send(self.device, self.kept)?;
         for part in parts {
             self.take_given(&part.few, look, goal)?;
             if let Some(outputs) = goal.outputs {
@@ -354,12 +354,12 @@ impl<'a> Shaders<'a> {
             let own = || parts.iter().filter_map(|part| Some((&part.few, &part.batch, part.later.as_ref()?)));
             let runs: Vec<_> = own().flat_map(|(few, batch, later)| few.relays(batch, &look.kernel, later)).collect();
             let batches: Vec<&Batch<'_>> = own().map(|(_, _, later)| later).collect();
-            let mut commands = staged("shade");
+            let mut recorded = Recorded::new(staged("shade"));
             let before = Before::Surface(&results, &runs);
-            let passed = self.dispatch(frame, (kernel, &batches), before, &status[1], &mut commands)?;
+            let passed = self.dispatch(frame, (kernel, &batches), before, &status[1], &mut recorded)?;
             let own = own().map(|(few, _, later)| (few, later));
-            self.take(kernel, own, &passed, (look, 1), goal, &mut commands)?;
-            commands.send(self.device)?;
+            self.take(kernel, own, &passed, (look, 1), goal, &mut recorded)?;
+            recorded.send(self.device, self.kept)?;
         }
         self.kept.give("results", results);
         Ok(())
@@ -372,7 +372,7 @@ impl<'a> Shaders<'a> {
         (kernel, batches): (&Kernel, &[&Batch<'_>]),
         before: Before<'_>,
         status: &Buffer<u32>,
-        commands: &mut Commands,
+        recorded: &mut Recorded,
     ) -> Result<Buffer<f32>, Refusal> {
         let device = self.device;
         let compiled = self.kernels.get(device, "shader", &kernel.text, &[])?;
@@ -404,15 +404,16 @@ impl<'a> Shaders<'a> {
                         given.write_from(device, first, &part.few.of_caps);
                         first += part.few.of_caps.len();
                     }
-                    goal.caps.give(device, self.own, frame, commands, (&given, goal.wanted, &values), n);
-                    kept.give("shaded caps", given);
+                    let buffers = (&given, goal.wanted, &values);
+                    goal.caps.give(device, self.own, frame, &mut recorded.commands, buffers, n);
+                    recorded.hold("shaded caps", given);
                 }
             }
             Before::Surface(found, runs) => {
                 let n = runs.len();
                 let runs = Buffer::of(device, "runs", runs)?;
                 let bound = [runs.bind(), found.bind(), values.bind()];
-                commands.dispatch(device, &self.own.relay, &bound, &[n as u32], Work::Groups(n as u32));
+                recorded.commands.dispatch(device, &self.own.relay, &bound, &[n as u32], Work::Groups(n as u32));
             }
         }
         let inputs = [groups_of.bind(), grids.bind(), slots.bind(), lights.bind(), values.bind()];
@@ -420,11 +421,11 @@ impl<'a> Shaders<'a> {
         if FUNCTIONS[0].iter().any(|(query, _)| kernel.asks(*query)) {
             bound.push(self.world.bind());
         }
-        commands.dispatch(device, &compiled, &bound, &[], Work::Groups(groups.len() as u32));
-        kept.give("grids", grids);
-        kept.give("slots", slots);
-        kept.give("lights", lights);
-        kept.give("values", values);
+        recorded.commands.dispatch(device, &compiled, &bound, &[], Work::Groups(groups.len() as u32));
+        recorded.hold("grids", grids);
+        recorded.hold("slots", slots);
+        recorded.hold("lights", lights);
+        recorded.hold("values", values);
         Ok(results)
     }
 
@@ -437,7 +438,7 @@ impl<'a> Shaders<'a> {
         results: &Buffer<f32>,
         by: (&Look, u32),
         goal: Goal<'_>,
-        commands: &mut Commands,
+        recorded: &mut Recorded,
     ) -> Result<(), GpuError> {
         let [color, opacity] = [Global::Ci, Global::Oi].map(|g| offset_of(kernel, g).map_or(u32::MAX, |n| n as u32));
         if [color, opacity] == [u32::MAX; 2] {
@@ -447,9 +448,7 @@ impl<'a> Shaders<'a> {
             few.grids.iter().enumerate().flat_map(|(k, grid)| grid.rows(batch.results_of(k)))
         };
         let rows: Vec<_> = own.flat_map(of_grid).collect();
-        let rows = self.put(&rows, results, [color, opacity], by, goal, commands)?;
-        self.kept.give("shaded grids", rows);
-        Ok(())
+        self.put(&rows, results, [color, opacity], by, goal, recorded)
     }
 
     /// Take the opacities of points whose surface shader leaves them as they are given.
@@ -459,14 +458,12 @@ impl<'a> Shaders<'a> {
         }
         let rows: Vec<_> = few.grids.iter().flat_map(|grid| grid.rows_of_opacities()).collect();
         let given = Buffer::of(self.device, "given opacities", &few.opacities)?;
-        let mut commands = staged("shade");
-        let rows = self.put(&rows, &given, [u32::MAX, 0], (look, 0), goal, &mut commands)?;
-        commands.send(self.device)?;
-        self.kept.give("shaded grids", rows);
-        Ok(())
+        let mut recorded = Recorded::new(staged("shade"));
+        self.put(&rows, &given, [u32::MAX, 0], (look, 0), goal, &mut recorded)?;
+        recorded.send(self.device, self.kept)
     }
 
-    /// Record that colours and opacities are put among those of all points, by two rows a grid; these rows on the device.
+    /// Record that colours and opacities are put among those of all points, by two rows a grid.
     fn put(
         &self,
         rows: &[[u32; 4]],
@@ -474,8 +471,8 @@ impl<'a> Shaders<'a> {
         [color, opacity]: [u32; 2],
         (look, index): (&Look, u32),
         goal: Goal<'_>,
-        commands: &mut Commands,
-    ) -> Result<Buffer<[u32; 4]>, GpuError> {
+        recorded: &mut Recorded,
+    ) -> Result<(), GpuError> {
         let n = rows.len() / 2;
         let rows = self.kept.filled(self.device, "shaded grids", rows)?;
         let changes = |kernel: &Kernel| offset_of(kernel, Global::Oi).is_some();
@@ -484,8 +481,9 @@ impl<'a> Shaders<'a> {
         let opacities = goal.opacities.unwrap_or(&self.nothing);
         let bound =
             [rows.bind(), goal.wanted.bind(), results.bind(), goal.colors.bind(), opacities.bind(), look.lost.bind()];
-        commands.dispatch(self.device, &self.own.point_colors, &bound, &params, groups(n, 1));
-        Ok(rows)
+        recorded.commands.dispatch(self.device, &self.own.point_colors, &bound, &params, groups(n, 1));
+        recorded.hold("shaded grids", rows);
+        Ok(())
     }
 
     /// Put what displays take besides colours among that of all points.
