@@ -142,9 +142,9 @@ pub enum Command {
 impl Command {
     /// Whether it may simulate.
     pub fn simulates(&self) -> bool {
-        matches!(
-            self,
-            Command::Run(_) | Command::Simulate(_) | Command::Task(_) | Command::Solve(_) | Command::Bench(_)
-        )
+        match self {
+            Command::Bench(args) => !matches!(args.bench, BenchCommand::Render(_)),
+            command => matches!(command, Command::Run(_) | Command::Simulate(_) | Command::Task(_) | Command::Solve(_)),
+        }
     }
 }

@@ -104,7 +104,7 @@ for path in $(grep -l '^@compute' $kernels/*.wgsl); do
 done
 row pair_count $kernels/pair_write.wgsl plain pair_pass=$kernels/pair_count.wgsl
 kernels=render/src/gpu
-for name in clear_samples sample_depth uncover sample_id block_depth visible_points point_colors relay sample_colors blur_depth blur_id blur_colors filter \
+for name in clear_samples clear_nearest sample_nearest part_nearest block_nearest sample_depth uncover sample_id block_depth cap_dice cap_points visible_points point_colors relay sample_colors blur_nearest blur_depth blur_id blur_colors filter \
     layer_count layer_fill layer_total layer_sort layer_points layer_join layer_colors layer_colors_outputs blur_layer_count blur_layer_fill \
     blur_layer_join blur_layer_colors blur_layer_colors_outputs point_outputs sample_outputs blur_outputs filter_outputs; do
     row $name $kernels/$name.wgsl plain

@@ -29,17 +29,23 @@ pub struct Adapter {
 }
 
 /// The optional features, by name.
-const FEATURES: [(&str, Features); 5] = [
+const FEATURES: [(&str, Features); 6] = [
     ("subgroups", Features::SUBGROUP),
     ("timestamps", Features::TIMESTAMP_QUERY),
     ("f64", Features::SHADER_F64),
     ("i64", Features::SHADER_INT64),
+    ("i64 atomics", WIDE_ATOMICS),
     ("float32 atomics", Features::SHADER_FLOAT32_ATOMIC),
 ];
 
+/// Those that kernels with minima of 64 bits in memory use.
+pub(crate) const WIDE_ATOMICS: Features = Features::SHADER_INT64.union(Features::SHADER_INT64_ATOMIC_MIN_MAX);
+
 /// The features that a device is opened with, where the adapter has them.
-pub(crate) const USED: Features =
-    Features::SUBGROUP.union(Features::TIMESTAMP_QUERY).union(Features::TIMESTAMP_QUERY_INSIDE_ENCODERS);
+pub(crate) const USED: Features = Features::SUBGROUP
+    .union(Features::TIMESTAMP_QUERY)
+    .union(Features::TIMESTAMP_QUERY_INSIDE_ENCODERS)
+    .union(WIDE_ATOMICS);
 
 impl Adapter {
     fn of(index: usize, adapter: &wgpu::Adapter) -> Adapter {

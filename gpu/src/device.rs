@@ -1,6 +1,6 @@
 //! The device: an adapter opened without a window, its queue, and its faults.
 
-use crate::adapter::{Adapter, Choice, USED, choose};
+use crate::adapter::{Adapter, Choice, USED, WIDE_ATOMICS, choose};
 use crate::error::GpuError;
 use crate::pace::Pace;
 use crate::times::{Times, Timings};
@@ -19,13 +19,15 @@ pub struct Device {
     pub(crate) queue: wgpu::Queue,
     /// Least and greatest size of a subgroup, where kernels use subgroup operations.
     pub(crate) subgroup: Option<[u32; 2]>,
+    /// Whether kernels may take minima of 64 bits in memory.
+    has_wide_atomics: bool,
     /// Whether stages are timed.
     pub(crate) has_timestamps: bool,
     /// Whether times are taken between passes.
     pub(crate) has_timestamps_between: bool,
     lost: Message,
     fault: Message,
-    /// Held while errors are caught: those of all threads go into one stack of scopes.
+    /// Held while errors are caught: without the feature `std` of wgpu, those of all threads go into one stack of scopes.
     scopes: Mutex<()>,
     pace: Mutex<Pace>,
     idle_times: Mutex<Vec<Times>>,
@@ -140,6 +142,7 @@ impl Device {
         let note = fault.clone();
         raw.on_uncaptured_error(Arc::new(move |error: wgpu::Error| leave(&note, error.to_string())));
         let subgroup = adapter.subgroup;
+        let has_wide_atomics = features.contains(WIDE_ATOMICS);
         let has_timestamps = features.contains(wgpu::Features::TIMESTAMP_QUERY);
         let has_timestamps_between = features.contains(wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS);
         let (scopes, pace, idle_times, traffic, unsettled, memory) = Default::default();
@@ -148,6 +151,7 @@ impl Device {
             raw,
             queue,
             subgroup,
+            has_wide_atomics,
             has_timestamps,
             has_timestamps_between,
             lost,
@@ -219,6 +223,16 @@ impl Device {
     /// The longest time that a submission of commands has kept the device so far, s, of those whose timings have been waited for.
     pub fn longest_submission(&self) -> f64 {
         self.pace().longest
+    }
+
+    /// Whether kernels may take minima of numbers of 64 bits in memory by atomics.
+    pub fn has_wide_atomics(&self) -> bool {
+        self.has_wide_atomics
+    }
+
+    /// The same device, whose kernels do without atomics of 64 bits, as on an adapter that has none.
+    pub fn without_wide_atomics(self) -> Device {
+        Device { has_wide_atomics: false, ..self }
     }
 
     /// The same device, whose kernels do without subgroup operations, as on an adapter that has none.

@@ -3,8 +3,9 @@
 use crate::device::Device;
 use crate::error::GpuError;
 use crate::layout::{Slot, parse, slots};
+use rayon::prelude::*;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 /// A part that kernels import: its name and text.
@@ -50,28 +51,67 @@ impl Kernels {
     /// # Errors
     /// [`GpuError::Kernel`] with the place of the fault, or [`GpuError::Lost`].
     pub fn get(&self, device: &Device, name: &'static str, text: &str, parts: &[Part]) -> Result<Kernel, GpuError> {
+        timed(device, || self.found(device, name, text, parts))
+    }
+
+    /// Compile the kernels of some texts, with their names: [`Kernels::get`] then finds them. Several threads read and check the texts, the
+    /// driver is given one after the other.
+    ///
+    /// # Errors
+    /// Those of [`Kernels::get`], of the first text that has one.
+    pub fn compile_all(&self, device: &Device, texts: &[(&'static str, &str)], parts: &[Part]) -> Result<(), GpuError> {
+        timed(device, || {
+            let of = |(name, text): &(&'static str, &str)| self.found(device, name, text, parts);
+            let found: Vec<Result<(Kernel, bool), GpuError>> = texts.par_iter().map(of).collect();
+            let mut compiles = false;
+            for found in found {
+                compiles |= found?.1;
+            }
+            Ok(((), compiles))
+        })
+    }
+
+    /// The kernel of a text, and whether it has been compiled now.
+    fn found(
+        &self,
+        device: &Device,
+        name: &'static str,
+        text: &str,
+        parts: &[Part],
+    ) -> Result<(Kernel, bool), GpuError> {
         let fault = |message: String| GpuError::Kernel { kernel: name.into(), message };
         let text = resolve(text, parts, device.subgroup).map_err(fault)?;
-        let mut compiled = self.compiled.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(kernel) = compiled.get(&text) {
-            return Ok(kernel.clone());
+        if let Some(kernel) = self.compiled().get(&text) {
+            return Ok((kernel.clone(), false));
         }
-        let start = Instant::now();
+        // Others are compiled meanwhile; of the same text, the first that is done counts.
         let kernel = compile(device, name, &text)?;
-        device.count(|traffic| traffic.compile_seconds += start.elapsed().as_secs_f64());
-        compiled.insert(text, kernel.clone());
-        Ok(kernel)
+        Ok((self.compiled().entry(text).or_insert(kernel).clone(), true))
+    }
+
+    fn compiled(&self) -> MutexGuard<'_, HashMap<String, Kernel>> {
+        self.compiled.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Number of compiled kernels.
     pub fn len(&self) -> usize {
-        self.compiled.lock().unwrap_or_else(PoisonError::into_inner).len()
+        self.compiled().len()
     }
 
     /// Whether no kernel has been compiled.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
+}
+
+/// Do what may compile kernels, and count its time if it does.
+fn timed<T>(device: &Device, work: impl FnOnce() -> Result<(T, bool), GpuError>) -> Result<T, GpuError> {
+    let start = Instant::now();
+    let (done, compiles) = work()?;
+    if compiles {
+        device.count(|traffic| traffic.compile_seconds += start.elapsed().as_secs_f64());
+    }
+    Ok(done)
 }
 
 fn compile(device: &Device, name: &'static str, text: &str) -> Result<Kernel, GpuError> {

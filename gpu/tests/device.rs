@@ -68,6 +68,36 @@ fn a_kernel_is_compiled_once() {
 }
 
 #[test]
+fn several_threads_compile_at_once_and_each_fault_is_its_own_kernel_s() {
+    for Bench { device, .. } in benches() {
+        let (kernels, names) = (Kernels::default(), ["one", "two", "three", "four", "five", "six"]);
+        // A fault of every other that only the device finds.
+        let sizes = [1, 100_000, 2, 200_000, 3, 300_000];
+        let text = |size: u32| format!("@compute @workgroup_size({size})\nfn main() {{}}");
+        let texts = sizes.map(text);
+        let all: Vec<(&str, &str)> = names.into_iter().zip(texts.iter().map(String::as_str)).collect();
+        std::thread::scope(|scope| {
+            for (name, text) in &all {
+                let kernels = &kernels;
+                scope.spawn(move || match kernels.get(device, name, text, &[]) {
+                    Ok(_) => assert!(["one", "three", "five"].contains(name), "{name} is compiled"),
+                    Err(error) => {
+                        assert!(["two", "four", "six"].contains(name), "{name}: {error}");
+                        assert!(matches!(&error, GpuError::Kernel { kernel, .. } if kernel == name), "{name}: {error}");
+                    }
+                });
+            }
+        });
+        assert_eq!(kernels.len(), 3);
+        let error = kernels.compile_all(device, &all, &[]).unwrap_err();
+        assert!(matches!(&error, GpuError::Kernel { kernel, .. } if kernel == "two"), "the first fault: {error}");
+        kernels.compile_all(device, &[all[0], all[2]], &[]).unwrap();
+        assert_eq!(kernels.len(), 3);
+        device.check().unwrap();
+    }
+}
+
+#[test]
 fn a_buffer_that_is_too_large_is_named_with_its_size() {
     for Bench { device, .. } in benches() {
         let error = Buffer::<u32>::zeros(device, "impulses", usize::MAX / 8).err().unwrap();
@@ -212,7 +242,8 @@ fn what_keeps_a_device_long_is_cut_into_submissions() {
 /// What goes to a device and comes from it is counted, and what was sent is timed when it is settled.
 #[test]
 fn traffic_is_counted_and_sent_commands_are_timed() {
-    for Bench { device, kernels } in benches().take(1) {
+    // A device of its own: other tests read from theirs meanwhile.
+    if let Some(Bench { device, kernels }) = &open(true) {
         let before = device.traffic();
         let double = kernels.get(device, "double", DOUBLE, &[]).unwrap();
         let values = Buffer::of(device, "values", &[3u32; 100]).unwrap();

@@ -15,6 +15,7 @@ pub mod open_object;
 pub mod open_solid;
 pub mod options;
 pub mod primitives;
+pub mod programs;
 pub mod projected;
 pub mod quadrics;
 pub mod rational;

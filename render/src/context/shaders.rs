@@ -1,5 +1,6 @@
 //! Shaders by their names: found, compiled once, and given the parameters of a call.
 
+use crate::context::programs::program;
 use crate::context::state::Context;
 use crate::texture;
 use glam::{Mat4, Vec3};
@@ -81,12 +82,11 @@ impl Context {
                 } else {
                     self.files.read_source(&file, &rooms).map_err(|m| Fail::new(format!("{kind} shader {m}")))?
                 };
-                let program = sl::compile_with(&path, &source, &|name, from| self.files.include(name, from))
-                    .map_err(|d| Fail::new(format!("in shader {d}")))?;
+                let program = program(path, source, &self.files).map_err(|d| Fail::new(format!("in shader {d}")))?;
                 for what in &program.unsupported {
                     self.scene.warn(format!("{kind} shader `{name}` {what}"));
                 }
-                self.programs.entry(key).or_insert(Arc::new(program)).clone()
+                self.programs.entry(key).or_insert(program).clone()
             }
         };
         if program.kind.name() != kind {

@@ -84,15 +84,34 @@ impl Bvh {
 
     /// Build it over some items of a scene, as if all were opaque.
     pub fn of(scene: &Scene, items: impl Iterator<Item = Item>) -> Bvh {
+        /// Items whose occluders one thread finds.
+        const CHUNK: usize = 1024;
+        let items: Vec<Item> = items.collect();
+        let of_chunk = |items: &[Item]| {
+            let mut own = Bvh::default();
+            for item in items {
+                let (shape, to_world) = scene.place(*item);
+                own.add(*item, shape, to_world);
+            }
+            own
+        };
+        let of_chunks: Vec<Bvh> = items.par_chunks(CHUNK).map(of_chunk).collect();
         let mut bvh = Bvh::default();
-        for item in items {
-            let (shape, to_world) = scene.place(item);
-            bvh.add(item, shape, to_world);
-        }
+        of_chunks.into_iter().for_each(|own| bvh.extend(own));
         let (tree, order) = Tree::new(bvh.occluders.par_iter().map(|(_, occluder)| bvh.bound(occluder)));
         bvh.tree = tree;
-        bvh.occluders = order.iter().map(|k| bvh.occluders[*k as usize]).collect();
+        bvh.occluders = order.par_iter().with_min_len(CHUNK).map(|k| bvh.occluders[*k as usize]).collect();
         bvh
+    }
+
+    /// Add the occluders of another.
+    fn extend(&mut self, other: Bvh) {
+        let before = self.inverses.len() as u32;
+        self.inverses.extend(other.inverses);
+        self.occluders.extend(other.occluders.into_iter().map(|(item, occluder)| match occluder {
+            Occluder::Ellipsoid { inverse } => (item, Occluder::Ellipsoid { inverse: before + inverse }),
+            other => (item, other),
+        }));
     }
 
     fn add(&mut self, item: Item, shape: &Shape, to_world: Mat4) {

@@ -51,7 +51,10 @@ pub fn items_of_buckets(frame: &Frame<'_>, size: [usize; 2], [columns, rows]: [u
         }
     }
     lists.par_iter_mut().for_each(|list| {
-        list.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1.source, a.1.index).cmp(&(b.1.source, b.1.index))));
+        // No two are equal.
+        list.par_sort_unstable_by(|a, b| {
+            a.0.total_cmp(&b.0).then((a.1.source, a.1.index).cmp(&(b.1.source, b.1.index)))
+        });
     });
     lists
 }

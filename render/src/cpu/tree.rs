@@ -163,7 +163,7 @@ fn split(boxes: &mut [Boxed], first: u32) -> Vec<Node> {
         split_into(boxes, first, &mut nodes);
         return nodes;
     }
-    let (node, middle) = divide(boxes, first);
+    let (node, middle) = divide(boxes, first, true);
     let (left, right) = boxes.split_at_mut(middle);
     let (left, right) = rayon::join(|| split(left, first), || split(right, first + middle as u32));
     nodes.reserve(1 + left.len() + right.len());
@@ -177,7 +177,7 @@ fn split(boxes: &mut [Boxed], first: u32) -> Vec<Node> {
 }
 
 fn split_into(boxes: &mut [Boxed], first: u32, nodes: &mut Vec<Node>) {
-    let (node, middle) = divide(boxes, first);
+    let (node, middle) = divide(boxes, first, false);
     let here = nodes.len();
     nodes.push(node);
     if boxes.len() <= LEAF {
@@ -189,16 +189,24 @@ fn split_into(boxes: &mut [Boxed], first: u32, nodes: &mut Vec<Node>) {
     split_into(right, first + middle as u32, nodes);
 }
 
-/// The node of a run as a leaf, and how many of the run go to its first side; the run is put in order for that.
-fn divide(boxes: &mut [Boxed], first: u32) -> (Node, usize) {
-    let hull = |(a, b), x: &Boxed| (join(a, x.bounds()), join(b, (x.center(), x.center())));
-    let (bounds, (lo, hi)) = boxes.iter().fold((NOTHING, NOTHING), hull);
+/// Boxes of a chunk: several threads look through a run by chunks of this length, whose results are put together in their order.
+const CHUNK: usize = 4096;
+
+/// The node of a run as a leaf, and how many of the run go to its first side; the run is put in order for that, by several threads if it is
+/// `shared`.
+fn divide(boxes: &mut [Boxed], first: u32, shared: bool) -> (Node, usize) {
+    let (bounds, (lo, hi)) = if shared {
+        let of_chunks: Vec<_> = boxes.par_chunks(CHUNK).map(hulls).collect();
+        of_chunks.into_iter().fold((NOTHING, NOTHING), |(a, b), (c, d)| (join(a, c), join(b, d)))
+    } else {
+        hulls(boxes)
+    };
     let node = Node::new(bounds, first, boxes.len() as u32);
     if boxes.len() <= LEAF {
         return (node, 0);
     }
-    let mut middle =
-        best_plane(boxes, lo, hi).map_or(0, |(axis, plane)| partition(boxes, |x| x.center()[axis] < plane));
+    let mut middle = best_plane(boxes, lo, hi, shared)
+        .map_or(0, |(axis, plane)| partition(boxes, |x| x.center()[axis] < plane, shared));
     if middle == 0 || middle == boxes.len() {
         // All centres in one place: halves of the run will do.
         middle = boxes.len() / 2;
@@ -206,15 +214,21 @@ fn divide(boxes: &mut [Boxed], first: u32) -> (Node, usize) {
     (node, middle)
 }
 
-fn best_plane(boxes: &[Boxed], lo: Vec3A, hi: Vec3A) -> Option<(usize, f32)> {
-    const BINS: usize = 16;
-    let area = |(lo, hi): (Vec3A, Vec3A)| {
-        let d = (hi - lo).max(Vec3A::ZERO);
-        d.x * d.y + d.y * d.z + d.z * d.x
-    };
-    let width = hi - lo;
-    let scale = (BINS as f32 / width).to_array();
-    let mut bins = [[(0u32, NOTHING); BINS]; 3];
+/// The box around some boxes, and that around their centres.
+fn hulls(boxes: &[Boxed]) -> ((Vec3A, Vec3A), (Vec3A, Vec3A)) {
+    boxes.iter().fold((NOTHING, NOTHING), |(a, b), x| (join(a, x.bounds()), join(b, (x.center(), x.center()))))
+}
+
+/// Planes along an axis that a run may be split at, and one more.
+const BINS: usize = 16;
+
+/// Of the boxes whose centres lie between two planes along an axis, their count and the box around them, for each axis.
+type Bins = [[(u32, (Vec3A, Vec3A)); BINS]; 3];
+
+const EMPTY: Bins = [[(0, NOTHING); BINS]; 3];
+
+fn bins(boxes: &[Boxed], lo: Vec3A, scale: [f32; 3]) -> Bins {
+    let mut bins = EMPTY;
     for x in boxes {
         let at = (x.center() - lo).to_array();
         for (axis, bins) in bins.iter_mut().enumerate() {
@@ -223,6 +237,28 @@ fn best_plane(boxes: &[Boxed], lo: Vec3A, hi: Vec3A) -> Option<(usize, f32)> {
             *bin = (bin.0 + 1, join(bin.1, x.bounds()));
         }
     }
+    bins
+}
+
+fn best_plane(boxes: &[Boxed], lo: Vec3A, hi: Vec3A, shared: bool) -> Option<(usize, f32)> {
+    let area = |(lo, hi): (Vec3A, Vec3A)| {
+        let d = (hi - lo).max(Vec3A::ZERO);
+        d.x * d.y + d.y * d.z + d.z * d.x
+    };
+    let width = hi - lo;
+    let scale = (BINS as f32 / width).to_array();
+    let bins = if !shared {
+        bins(boxes, lo, scale)
+    } else {
+        let of_chunks: Vec<Bins> = boxes.par_chunks(CHUNK).map(|chunk| bins(chunk, lo, scale)).collect();
+        let mut all = EMPTY;
+        for own in &of_chunks {
+            for (all, own) in all.as_flattened_mut().iter_mut().zip(own.as_flattened()) {
+                *all = (all.0 + own.0, join(all.1, own.1));
+            }
+        }
+        all
+    };
     let mut best: Option<(f32, usize, f32)> = None;
     for (axis, bins) in bins.iter().enumerate().filter(|(axis, _)| width[*axis] > 0.0) {
         let mut after = [(0u32, NOTHING); BINS];
@@ -246,7 +282,19 @@ fn best_plane(boxes: &[Boxed], lo: Vec3A, hi: Vec3A) -> Option<(usize, f32)> {
 }
 
 /// Move what satisfies `first` to the front, keeping the order on both sides; how many do.
-fn partition(boxes: &mut [Boxed], first: impl Fn(&Boxed) -> bool) -> usize {
+fn partition(boxes: &mut [Boxed], first: impl Fn(&Boxed) -> bool + Sync, shared: bool) -> usize {
+    if !shared {
+        return partition_alone(boxes, first);
+    }
+    let fronts: Vec<usize> = boxes.par_chunks_mut(CHUNK).map(|chunk| partition_alone(chunk, &first)).collect();
+    let (front, back): (Vec<&[Boxed]>, Vec<&[Boxed]>) =
+        boxes.chunks(CHUNK).zip(&fronts).map(|(chunk, front)| chunk.split_at(*front)).unzip();
+    let sorted = [front, back].concat().concat();
+    boxes.copy_from_slice(&sorted);
+    fronts.into_iter().sum()
+}
+
+fn partition_alone(boxes: &mut [Boxed], first: impl Fn(&Boxed) -> bool) -> usize {
     let mut back = vec![];
     let mut front = 0;
     for k in 0..boxes.len() {
@@ -260,4 +308,29 @@ fn partition(boxes: &mut [Boxed], first: impl Fn(&Boxed) -> bool) -> usize {
     }
     boxes[front..].copy_from_slice(&back);
     front
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_tree_of_several_threads_is_that_of_one() {
+        let number = |k: u32| (k.wrapping_mul(0x9e37_79b9) >> 8) as f32 / (1 << 24) as f32;
+        let place = |k: u32| Vec3::new(number(3 * k), number(3 * k + 1), 0.1 * number(3 * k + 2));
+        // Not a whole number of chunks, and many in one place.
+        let bounds: Vec<(Vec3, Vec3)> = (0..50_001).map(|k| place(k / 3)).map(|at| (at - 0.01, at + 0.01)).collect();
+        let (alone, order) = Tree::alone(bounds.iter().copied());
+        let bits = |tree: &Tree| -> Vec<[u32; 8]> {
+            let of = |node: &Node| {
+                std::array::from_fn(|k| if k < 4 { node.min_at[k] } else { node.max_count[k - 4] }.to_bits())
+            };
+            tree.nodes().iter().map(of).collect()
+        };
+        for threads in [1, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            let (tree, own) = pool.install(|| Tree::new(bounds.par_iter().copied()));
+            assert!(bits(&tree) == bits(&alone) && own == order, "{threads} threads");
+        }
+    }
 }

@@ -3,6 +3,7 @@
 use crate::film::display::{self, Aov, Channel, Display, Layer, Quantization, channels};
 use ::image::codecs::tiff::TiffEncoder as WholeTiffEncoder;
 use ::image::{ExtendedColorType, ImageEncoder};
+use rayon::prelude::*;
 use tiff::encoder::{TiffEncoder, colortype};
 
 /// Longest side of an image, pixels.
@@ -37,14 +38,14 @@ pub struct Encoding<'a> {
 
 /// Expose the colours of pixels (`Exposure`): (gain · c)^(1/gamma), of negative ones with their sign.
 pub fn expose(pixels: &mut [[f32; 4]], gain: f32, gamma: f32) {
-    for p in pixels {
+    pixels.par_iter_mut().with_min_len(4096).for_each(|p| {
         for c in &mut p[..3] {
             *c *= gain;
             if gamma != 1.0 {
                 *c = c.abs().powf(1.0 / gamma).copysign(*c);
             }
         }
-    }
+    });
 }
 
 impl Image {
@@ -200,19 +201,21 @@ impl Image {
         let each = channels.len() * if bits.is_some() { 2 } else { 1 };
         let row_length = (x1 - x0) * each;
         let mut data = vec![0; row_length * (y1 - y0)];
-        let (mut noise, mut row) = (vec![0.0; x1 - x0], vec![0.0; x1 - x0]);
-        for (y, out) in (y0..y1).zip(data.chunks_exact_mut(row_length.max(1))) {
+        let memory = || (vec![0.0; x1 - x0], vec![0.0; x1 - x0]);
+        let rows = data.par_chunks_exact_mut(row_length.max(1)).enumerate().with_min_len(8);
+        rows.for_each_init(memory, |(noise, row), (k, out)| {
+            let y = y0 + k;
             for (c, channel) in channels.iter().enumerate() {
                 let pixels = y * self.width + x0..y * self.width + x1;
                 // Dither is noise of the pixel's own, the same in every run.
-                sl::noise::noise_of_cells(&mut noise, x0 as i32, y as i32, channel.at as i32, 9);
+                sl::noise::noise_of_cells(noise, x0 as i32, y as i32, channel.at as i32, 9);
                 row.iter_mut().zip(pixels).for_each(|(x, p)| *x = self.number(p, channel.at));
-                for (x, noise) in row.iter_mut().zip(&noise) {
+                for (x, noise) in row.iter_mut().zip(&*noise) {
                     let level = zero + *x * (one - zero) + dither * (2.0 * noise - 1.0);
                     // Rounded to the nearest whole number, as what is cut off by the conversion below.
                     *x = level.clamp(min, most) + 0.5;
                 }
-                let places = out.chunks_exact_mut(each).zip(&row);
+                let places = out.chunks_exact_mut(each).zip(&*row);
                 match bits {
                     Some(bits) => {
                         places.for_each(|(place, x)| place[2 * c..2 * c + 2].copy_from_slice(&bits(*x as u16)))
@@ -220,7 +223,7 @@ impl Image {
                     None => places.for_each(|(place, x)| place[c] = *x as u8),
                 }
             }
-        }
+        });
         data
     }
 }

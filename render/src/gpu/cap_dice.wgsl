@@ -1,6 +1,6 @@
 // Dice tiles of spheres' caps: their points on the raster, at each moment, and their micropolygons; a workgroup a tile. One that is beside the
 // window or hidden behind what is there has no micropolygons: they are there, without points of a row.
-// in    caps, rings, disk   as cap.wgsl has them
+// in    caps, spheres, rings, disk   as cap.wgsl has them
 // in    matrices       [4 n_matrices]     columns of matrices to camera space
 // in    block_depth    [n_blocks]         the key of the greatest depth in blocks of 4 by 4 pixels
 // out   points         [n_points]         raster x and y, pixels, and depth
@@ -14,13 +14,13 @@
 // Twin: cpu/raster.rs
 #import cap
 
-@group(0) @binding(3) var<storage, read> matrices: array<vec4<f32>>;
-@group(0) @binding(4) var<storage, read> block_depth: array<u32>;
-@group(0) @binding(5) var<storage, read_write> points: array<vec4<f32>>;
-@group(0) @binding(6) var<storage, read_write> micropolygons: array<vec4<u32>>;
-@group(0) @binding(7) var<storage, read_write> least: array<u32>;
-@group(0) @binding(8) var<storage, read_write> left_out: array<atomic<u32>>;
-@group(0) @binding(9) var<storage, read> params: array<u32>;
+@group(0) @binding(4) var<storage, read> matrices: array<vec4<f32>>;
+@group(0) @binding(5) var<storage, read> block_depth: array<u32>;
+@group(0) @binding(6) var<storage, read_write> points: array<vec4<f32>>;
+@group(0) @binding(7) var<storage, read_write> micropolygons: array<vec4<u32>>;
+@group(0) @binding(8) var<storage, read_write> least: array<u32>;
+@group(0) @binding(9) var<storage, read_write> left_out: array<atomic<u32>>;
+@group(0) @binding(10) var<storage, read> params: array<u32>;
 
 const SIZE: u32 = 64u;
 // As in cpu/raster.rs: of a sum of this size the last place is worth a step.
@@ -61,14 +61,16 @@ fn confusion(z: f32) -> f32 {
 }
 
 fn project_points(cap: u32, thread: u32) {
-    let head = caps[13u * cap];
-    let kind = caps[13u * cap + 2u];
-    let n = head.z * head.w;
+    let first = caps[2u * cap].x;
+    let sphere = sphere_of(cap);
+    let moments = spheres[11u * sphere].zw;
+    let size = size_of(cap);
+    let n = size.x * size.y;
     for (var k = thread; k < n; k += SIZE) {
-        let place = place_of(cap, on_disk(cap, k));
-        for (var moment = 0u; moment < kind.z; moment += 1u) {
-            let p = to_camera(kind.w + 4u * moment, place);
-            let at = head.x + moment * n + k;
+        let place = place_of(sphere, on_disk(cap, k));
+        for (var moment = 0u; moment < moments.x; moment += 1u) {
+            let p = to_camera(moments.y + 4u * moment, place);
+            let at = first + moment * n + k;
             if !(p.z >= number(10u)) {
                 points[at] = vec4<f32>(0.0, 0.0, bitcast<f32>(0xff800000u | nothing()), 0.0);
                 atomicOr(&behind[k >> 5u], 1u << (k & 31u));
@@ -130,18 +132,18 @@ fn is_behind(k: u32) -> bool {
 }
 
 fn write_micropolygons(cap: u32, thread: u32) {
-    let head = caps[13u * cap];
-    let kind = caps[13u * cap + 2u];
-    let first = caps[13u * cap + 6u].w;
-    let across = head.z - 1u;
-    let n = across * (head.w - 1u);
+    let head = caps[2u * cap];
+    let flags = caps[2u * cap + 1u].w;
+    let size = size_of(cap);
+    let across = size.x - 1u;
+    let n = across * (size.y - 1u);
     let is_hidden = atomicLoad(&in_front) == 0u;
     for (var k = thread; k < n; k += SIZE) {
-        let corner = k / across * head.z + k % across;
-        let is_cut = is_behind(corner) || is_behind(corner + 1u) || is_behind(corner + head.z)
-            || is_behind(corner + head.z + 1u);
-        let nu = select(head.z, 0u, is_hidden || is_cut);
-        micropolygons[head.y + k] = vec4<u32>(first + corner, nu, kind.x, kind.y);
+        let corner = k / across * size.x + k % across;
+        let is_cut = is_behind(corner) || is_behind(corner + 1u) || is_behind(corner + size.x)
+            || is_behind(corner + size.x + 1u);
+        let nu = select(size.x, 0u, is_hidden || is_cut);
+        micropolygons[head.y + k] = vec4<u32>(head.z + corner, nu, flags, head.w);
         if nu == 0u && !is_hidden {
             atomicAdd(&left_out[1], 1u);
         }

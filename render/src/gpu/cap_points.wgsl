@@ -1,5 +1,5 @@
 // What shaders are given of points of tiles of spheres' caps: places, normals and ways from the eye; a workgroup a tile.
-// in    caps, rings, disk   as cap.wgsl has them
+// in    caps, spheres, rings, disk   as cap.wgsl has them
 // in    least   [n_caps]   the least depth of each tile, as bits
 // in    given   [2 n]      of each: tile, count of its points that are shaded, its first point, the first number of P among the values, which N,
 //                          I and, if it is given, Ng follow; first of the host's own numbers, 1 if Ng is given, 0, 0
@@ -11,11 +11,11 @@
 #import cap
 #import wanted
 
-@group(0) @binding(3) var<storage, read> least: array<u32>;
-@group(0) @binding(4) var<storage, read> given: array<vec4<u32>>;
-@group(0) @binding(5) var<storage, read> wanted: array<u32>;
-@group(0) @binding(6) var<storage, read_write> values: array<f32>;
-@group(0) @binding(7) var<storage, read> params: array<u32>;
+@group(0) @binding(4) var<storage, read> least: array<u32>;
+@group(0) @binding(5) var<storage, read> given: array<vec4<u32>>;
+@group(0) @binding(6) var<storage, read> wanted: array<u32>;
+@group(0) @binding(7) var<storage, read_write> values: array<f32>;
+@group(0) @binding(8) var<storage, read> params: array<u32>;
 
 const SIZE: u32 = 64u;
 
@@ -43,15 +43,16 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let own = given[2u * k];
     let more = given[2u * k + 1u];
     let eye = vec3<f32>(number(9u), number(10u), number(11u));
-    let head = caps[13u * own.x];
-    for (var point = thread; point < head.z * head.w; point += SIZE) {
+    let sphere = sphere_of(own.x);
+    let size = size_of(own.x);
+    for (var point = thread; point < size.x * size.y; point += SIZE) {
         if !is_wanted(own.z + point) {
             continue;
         }
         let i = wanted_before(own.z, own.z + point);
         let on = on_disk(own.x, point);
-        let place = place_of(own.x, on);
-        let normal = normal_of(own.x, on);
+        let place = place_of(sphere, on);
+        let normal = normal_of(sphere, on);
         put(own.w + i, own.y, place);
         put(own.w + 3u * own.y + i, own.y, normal);
         put(own.w + 6u * own.y + i, own.y, place - eye);

@@ -31,7 +31,7 @@ pub struct Diced {
     /// Its points, displaced; none if the device dices it. They are large, and grids are sorted.
     pub points: Option<Box<Points>>,
     /// What the device dices it of, if it does.
-    pub cap: Option<Box<Cap>>,
+    pub cap: Option<Cap>,
     /// Raster x and y, pixels, and depth of each point, at each moment of the item; none if the device dices it.
     pub raster: Vec<Vec<[f32; 3]>>,
     /// Of each span between two moments: the times from and until which it holds, when it begins, and one over its length, 0 if it has none; none
@@ -164,8 +164,8 @@ pub struct Front<'a> {
     frame: &'a Frame<'a>,
     items: std::iter::Peekable<std::vec::IntoIter<(f32, Item)>>,
     queue: Queue,
-    /// Grids that were diced before others whose turn is earlier.
-    early: Vec<(Turn, Diced)>,
+    /// Grids that were diced before others whose turn is earlier, those of a turn together, with the count of their points.
+    early: Vec<(Turn, usize, Vec<Diced>)>,
     /// Items, and pieces of items, that are diced at a time.
     round: usize,
 }
@@ -183,32 +183,45 @@ impl<'a> Front<'a> {
             self.early.sort_by(|a, b| a.0.cmp(&b.0));
             let next = self.next();
             let end = match next {
-                Some(next) => self.early.partition_point(|(turn, _)| turn.cmp(&next).is_lt()),
+                Some(next) => self.early.partition_point(|(turn, ..)| turn.cmp(&next).is_lt()),
                 None => self.early.len(),
             };
-            let count = |some: &[(Turn, Diced)]| some.iter().map(|(_, grid)| grid.n()).sum::<usize>();
+            let count = |some: &[(Turn, usize, Vec<Diced>)]| some.iter().map(|(_, n, _)| n).sum::<usize>();
             if count(&self.early[..end]) >= n_points || next.is_none() {
                 let early = self.early.split_off(end);
-                return std::mem::replace(&mut self.early, early).into_iter().map(|(_, grid)| grid).collect();
+                let now = std::mem::replace(&mut self.early, early);
+                let mut grids = Vec::with_capacity(now.iter().map(|(.., own)| own.len()).sum());
+                now.into_iter().for_each(|(.., own)| grids.extend(own));
+                return grids;
             }
             // Where there is enough that waits for what is nearer, nothing is diced that is farther: it may be hidden.
-            let last = self.early.last().map(|(turn, _)| *turn).filter(|_| count(&self.early) >= n_points);
+            let last = self.early.last().map(|(turn, ..)| *turn).filter(|_| count(&self.early) >= n_points);
             self.round(window, last, stats);
         }
     }
 
     /// Dice some items and pieces, those up to a turn if it is given.
     fn round(&mut self, window: &Window, until: Option<Turn>, stats: &mut Stats) {
+        /// Turns that a thread takes at a time.
+        const CHUNK: usize = 8;
         let (turns, frame) = (self.turns(until), self.frame);
-        let diced: Vec<(Vec<Diced>, Vec<Waiting>, Stats)> = turns
-            .par_iter()
-            .with_min_len(4)
-            .map_init(Hand::default, |hand, turn| hand.dice(frame, window, *turn))
+        let diced: Vec<(Vec<(Vec<Diced>, Vec<Waiting>)>, Stats)> = turns
+            .par_chunks(CHUNK)
+            .map_init(Hand::default, |hand, turns| {
+                let (begun, mut stats) = (std::time::Instant::now(), Stats::default());
+                let own = turns.iter().map(|turn| hand.dice(frame, window, *turn, &mut stats)).collect();
+                stats.seconds.dice = begun.elapsed().as_secs_f64();
+                (own, stats)
+            })
             .collect();
-        for (turn, (own, waiting, of_turn)) in turns.iter().zip(diced) {
-            self.early.extend(own.into_iter().map(|grid| (*turn, grid)));
-            self.queue.extend(waiting);
-            *stats = stats.add(of_turn);
+        for (turns, (of_turns, of_chunk)) in turns.chunks(CHUNK).zip(diced) {
+            for (turn, (own, waiting)) in turns.iter().zip(of_turns) {
+                if !own.is_empty() {
+                    self.early.push((*turn, own.iter().map(Diced::n).sum(), own));
+                }
+                self.queue.extend(waiting);
+            }
+            *stats = stats.add(of_chunk);
         }
     }
 
@@ -234,10 +247,16 @@ impl<'a> Front<'a> {
 }
 
 impl Hand {
-    fn dice(&mut self, frame: &Frame<'_>, window: &Window, turn: Turn) -> (Vec<Diced>, Vec<Waiting>, Stats) {
+    /// Dice an item or a piece: its grids, and the pieces that wait.
+    fn dice(
+        &mut self,
+        frame: &Frame<'_>,
+        window: &Window,
+        turn: Turn,
+        stats: &mut Stats,
+    ) -> (Vec<Diced>, Vec<Waiting>) {
         let Hand { instants: moments, dicer, raster, machine } = self;
         let (camera, parameters) = (&frame.camera, frame.needs_parameters());
-        let begun = std::time::Instant::now();
         let item = match turn {
             Turn::Item(_, item) => item,
             Turn::Piece(waiting) => waiting.item(),
@@ -245,7 +264,7 @@ impl Hand {
         let view = frame.scene.view(item);
         instants(camera, &view, moments);
         let subject = Subject { item, view: &view, instants: moments, camera, parameters };
-        let (diced, stats) = (vec![], Stats::default());
+        let diced = vec![];
         let dices_caps = dices_caps(frame, &view);
         let mut sink = Taken { frame, window, subject, raster, machine, dices_caps, diced, stats };
         match turn {
@@ -255,10 +274,9 @@ impl Hand {
             }
             Turn::Item(..) => {}
         }
-        let Taken { diced, mut stats, .. } = sink;
-        stats.splits = std::mem::take(&mut dicer.queue.splits);
-        stats.seconds.dice = begun.elapsed().as_secs_f64();
-        (diced, dicer.queue.take(), stats)
+        let Taken { diced, stats, .. } = sink;
+        stats.splits += std::mem::take(&mut dicer.queue.splits);
+        (diced, dicer.queue.take())
     }
 }
 
@@ -272,7 +290,7 @@ struct Taken<'a> {
     /// Caps of spheres are diced by the device.
     dices_caps: bool,
     diced: Vec<Diced>,
-    stats: Stats,
+    stats: &'a mut Stats,
 }
 
 impl Taken<'_> {
@@ -298,7 +316,7 @@ impl Sink for Taken<'_> {
             item,
             size: [grid.points.nu, grid.points.nv],
             points: None,
-            cap: Some(Box::new(Cap { tile, orientation: grid.points.orientation, to_camera })),
+            cap: Some(Cap { tile, orientation: grid.points.orientation, to_camera }),
             raster: vec![],
             keys: self.keys(),
             micropolygons: vec![],

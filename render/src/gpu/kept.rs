@@ -1,6 +1,6 @@
 //! Buffers that are kept from frame to frame, since to make them takes longer than to use them.
 
-use gpu::{Buffer, Device, GpuError, Pod};
+use gpu::{Buffer, Commands, Device, GpuError, Pod};
 use std::any::Any;
 use std::collections::HashMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -55,5 +55,35 @@ impl Kept {
 
     fn buffers(&self) -> MutexGuard<'_, HashMap<&'static str, Box<dyn Any + Send>>> {
         self.buffers.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Commands with the buffers that they use, which are kept for others once these are sent: what is written to a buffer by then comes before them.
+pub struct Recorded {
+    pub commands: Commands,
+    held: Vec<(&'static str, Box<dyn Any + Send>)>,
+}
+
+impl Recorded {
+    /// Commands that use no such buffers yet.
+    pub fn new(commands: Commands) -> Recorded {
+        Recorded { commands, held: vec![] }
+    }
+
+    /// Hold a buffer until the commands are sent.
+    pub fn hold<T: Pod + Send>(&mut self, name: &'static str, buffer: Buffer<T>) {
+        self.held.push((name, Box::new(buffer)));
+    }
+
+    /// Send the commands, and keep the buffers.
+    ///
+    /// # Errors
+    /// Those of [`Commands::send`].
+    pub fn send(self, device: &Device, kept: &Kept) -> Result<(), GpuError> {
+        self.commands.send(device)?;
+        if !kept.is_off {
+            kept.buffers().extend(self.held);
+        }
+        Ok(())
     }
 }

@@ -18,6 +18,7 @@ const PARTS: &[Part<'static>] = &[
     ("blur_layer_choice", include_str!("blur_layer_choice.wgsl")),
     ("blur_layer_slack", include_str!("blur_layer_slack.wgsl")),
     ("sampling", include_str!("sampling.wgsl")),
+    ("blocks", include_str!("blocks.wgsl")),
     ("takes", include_str!("takes.wgsl")),
     ("mixed", include_str!("mixed.wgsl")),
     ("blur", include_str!("blur.wgsl")),
@@ -42,14 +43,16 @@ const PARTS: &[Part<'static>] = &[
 
 /// Kernels by the stems of their files.
 macro_rules! kernels {
-    ($struct:ident, $device:ident $kernels:ident: $($name:ident),* $(; $field:ident: $value:expr)?) => {
-        $struct { $($field: $value,)? $($name: $kernels.get(
-            $device,
-            stringify!($name),
-            include_str!(concat!(stringify!($name), ".wgsl")),
-            PARTS,
-        )?),* }
-    };
+    ($struct:ident, $device:ident $kernels:ident: $($name:ident),* $(; $($field:ident: $value:expr),*)?) => {{
+        let texts = [$((stringify!($name), include_str!(concat!(stringify!($name), ".wgsl")))),*];
+        $kernels.compile_all($device, &texts, PARTS)?;
+        let mut texts = texts.into_iter();
+        let mut next = || {
+            let (name, text) = texts.next().expect("a text a kernel");
+            $kernels.get($device, name, text, PARTS)
+        };
+        $struct { $($($field: $value,)*)? $($name: next()?),* }
+    }};
 }
 
 /// The kernels of a frame, but for those of shaders, and what they read in every frame.
@@ -59,18 +62,54 @@ pub struct FrameKernels {
     pub clear_samples: Kernel,
     pub cap_dice: Kernel,
     pub cap_points: Kernel,
-    pub sample_depth: Kernel,
-    pub uncover: Kernel,
-    pub sample_id: Kernel,
-    pub block_depth: Kernel,
+    pub sampling: Sampling,
     pub visible_points: Kernel,
     pub point_colors: Kernel,
     pub relay: Kernel,
     pub sample_colors: Kernel,
-    pub blur_depth: Kernel,
-    pub blur_id: Kernel,
     pub blur_colors: Kernel,
     pub filter: Kernel,
+}
+
+/// How micropolygons are sampled.
+pub enum Sampling {
+    /// In one pass, by atomics of 64 bits.
+    Wide(NearestKernels),
+    /// In two: the least depth, then the first that has it.
+    Twice(DepthKernels),
+}
+
+/// The kernels of sampling in one pass.
+pub struct NearestKernels {
+    pub clear_nearest: Kernel,
+    pub sample_nearest: Kernel,
+    pub blur_nearest: Kernel,
+    pub block_nearest: Kernel,
+    pub part_nearest: Kernel,
+}
+
+/// The kernels of sampling in two passes.
+pub struct DepthKernels {
+    pub sample_depth: Kernel,
+    pub uncover: Kernel,
+    pub sample_id: Kernel,
+    pub blur_depth: Kernel,
+    pub blur_id: Kernel,
+    pub block_depth: Kernel,
+}
+
+impl Sampling {
+    fn new(device: &Device, kernels: &Kernels) -> Result<Sampling, GpuError> {
+        Ok(if device.has_wide_atomics() {
+            Sampling::Wide(
+                kernels!(NearestKernels, device kernels: clear_nearest, sample_nearest, blur_nearest, block_nearest, part_nearest),
+            )
+        } else {
+            Sampling::Twice(
+                kernels!(DepthKernels, device kernels: sample_depth, uncover, sample_id, blur_depth, blur_id, block_depth),
+            )
+        })
+    }
 }
 
 impl FrameKernels {
@@ -80,8 +119,8 @@ impl FrameKernels {
     /// Those of [`Kernels::get`] and [`Buffer::of`].
     pub fn new(device: &Device, kernels: &Kernels) -> Result<FrameKernels, GpuError> {
         Ok(
-            kernels!(FrameKernels, device kernels: clear_samples, cap_dice, cap_points, sample_depth, uncover, sample_id, block_depth, visible_points, point_colors, relay,
-            sample_colors, blur_depth, blur_id, blur_colors, filter; disk: Buffer::of(device, "points on a disk", &eighths())?),
+            kernels!(FrameKernels, device kernels: clear_samples, cap_dice, cap_points, visible_points, point_colors, relay, sample_colors, blur_colors, filter;
+            disk: Buffer::of(device, "points on a disk", &eighths())?, sampling: Sampling::new(device, kernels)?),
         )
     }
 }

@@ -11,7 +11,7 @@ use crate::gpu::outputs::Outputs;
 use crate::gpu::samples::Samples;
 use crate::scene::source::Item;
 use gpu::scan::Scan;
-use gpu::{Bound, Buffer, Count, Device, GpuError, Kernels};
+use gpu::{Bound, Buffer, Commands, Count, Device, GpuError, Kernels};
 
 /// Some samples of a window, and how many layers they have.
 #[derive(Clone, Copy)]
@@ -97,7 +97,9 @@ impl<'a> Layers<'a> {
         self.grids.reserve(self.device, self.n_rows + rows.len())?;
         self.grids.write_from(self.device, self.n_rows, &rows);
         self.n_rows += rows.len();
-        samples.upload(frame, grids, &firsts, false)
+        let mut commands = Commands::new();
+        samples.upload(frame, grids, &firsts, false, &mut commands)?;
+        commands.send(self.device)
     }
 
     /// Find the layers of the samples from one to before another, as ranges whose lists fit; and which points they need, a bit each, on the device and here.

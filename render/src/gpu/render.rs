@@ -47,7 +47,14 @@ impl Renderer {
     /// # Errors
     /// Those of [`Device::open`], and of kernels that do not compile.
     pub fn open(choice: &Choice) -> Result<Renderer, GpuError> {
-        let device = Device::open(choice)?;
+        Renderer::new(Device::open(choice)?)
+    }
+
+    /// The same, on a device.
+    ///
+    /// # Errors
+    /// Those of kernels that do not compile.
+    pub fn new(device: Device) -> Result<Renderer, GpuError> {
         let kernels = Kernels::default();
         let own = FrameKernels::new(&device, &kernels)?;
         Ok(Renderer { device, kernels, own, kept: Kept::default(), limits: Limits::default() })
@@ -273,8 +280,12 @@ impl<'a> Drawing<'a> {
         self.layers(room, &mut window, later)?;
         let start = Instant::now();
         let pixels = room.samples.pixels(frame)?;
-        for (row, own) in pixels.chunks_exact(size[0]).enumerate() {
-            self.image.pixels[(y + row) * self.image.width + x..][..size[0]].copy_from_slice(own);
+        if size == [self.image.width, self.image.height] {
+            self.image.pixels = pixels;
+        } else {
+            for (row, own) in pixels.chunks_exact(size[0]).enumerate() {
+                self.image.pixels[(y + row) * self.image.width + x..][..size[0]].copy_from_slice(own);
+            }
         }
         if let Some(outputs) = &room.outputs {
             let (pixels, wide) = (outputs.pixels(&room.samples, frame)?, size[0] * frame.depth);
@@ -321,6 +332,7 @@ impl<'a> Drawing<'a> {
         }
         let Room { samples, outputs, .. } = room;
         let start = Instant::now();
+        samples.part()?;
         if self.frame.options.keep_ids {
             self.note_identities(&samples.visible()?, 0, window, held);
         }

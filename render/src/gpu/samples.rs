@@ -1,7 +1,7 @@
 //! The samples of a part of the image, on the device: what is nearest at each, and its colour.
 //!
-//! Micropolygons are sampled in two passes: the least depth, then the first of those that have it; so every device finds what the processor
-//! finds. All is sampled before the points that are visible are shaded, and then the samples get their colours.
+//! What is nearest at a sample is the least depth, and the first of those micropolygons that have it, so that every device finds what the processor
+//! finds: in one pass by atomics of 64 bits, else in two. All is sampled before the points that are visible are shaded, and then the samples get their colours.
 
 use crate::cpu::frame::Frame;
 use crate::cpu::samples::BLOCK;
@@ -9,8 +9,8 @@ use crate::film::jitter::{Jitter, Moments, PERIOD};
 use crate::gpu::caps::{Caps, DiceGoal, Placed};
 use crate::gpu::front::{Diced, Window};
 use crate::gpu::kept::Kept;
-use crate::gpu::kernels::{FrameKernels, groups, staged};
-use gpu::{Bound, Buffer, Device, GpuError};
+use crate::gpu::kernels::{FrameKernels, Sampling, groups, staged};
+use gpu::{Bound, Buffer, Commands, Device, GpuError};
 
 /// What micropolygons are: colour is interpolated; nothing but a hole.
 const SMOOTH: u32 = 1;
@@ -34,6 +34,14 @@ struct Blur {
     lens: [u32; 4],
 }
 
+/// What is nearest at samples while micropolygons are sampled.
+enum Nearest {
+    /// The key of its depth above 1 more than its id.
+    Wide(Buffer<u64>),
+    /// The keys of depths before the micropolygons at hand.
+    Before(Buffer<u32>),
+}
+
 /// The samples of a part of the image.
 pub struct Samples<'a> {
     pub(super) device: &'a Device,
@@ -44,7 +52,7 @@ pub struct Samples<'a> {
     pub(super) head: [u32; 7],
     pub(super) offsets: Buffer<[f32; 2]>,
     pub(super) depth: Buffer<u32>,
-    before: Buffer<u32>,
+    nearest: Nearest,
     pub(super) visible: Buffer<u32>,
     pub(super) color: Buffer<[f32; 4]>,
     blocks: Buffer<u32>,
@@ -84,7 +92,10 @@ impl<'a> Samples<'a> {
             head: [0; 7],
             offsets: Buffer::of(device, "sample places", &places(&frame.jitter))?,
             depth: kept.take(device, "sample depths", n)?,
-            before: kept.take(device, "earlier sample depths", n)?,
+            nearest: match kernels.sampling {
+                Sampling::Wide(_) => Nearest::Wide(kept.take(device, "nearest at samples", n)?),
+                Sampling::Twice(_) => Nearest::Before(kept.take(device, "earlier sample depths", n)?),
+            },
             visible: kept.take(device, "visible micropolygons", n)?,
             color: kept.take(device, "sample colours", n)?,
             blocks: kept.take(device, "block depths", n_blocks)?,
@@ -102,7 +113,10 @@ impl<'a> Samples<'a> {
     /// Keep the buffers for another frame.
     pub fn keep(self, kept: &Kept) {
         kept.give("sample depths", self.depth);
-        kept.give("earlier sample depths", self.before);
+        match self.nearest {
+            Nearest::Wide(nearest) => kept.give("nearest at samples", nearest),
+            Nearest::Before(before) => kept.give("earlier sample depths", before),
+        }
         kept.give("visible micropolygons", self.visible);
         kept.give("sample colours", self.color);
         kept.give("block depths", self.blocks);
@@ -125,8 +139,10 @@ impl<'a> Samples<'a> {
         let bound = [self.depth.bind(), self.visible.bind(), self.color.bind()];
         let work = groups(self.n, 256);
         commands.dispatch(self.device, &self.kernels.clear_samples, &bound, &[self.n as u32], work);
-        commands.send(self.device)?;
-        Ok(())
+        if let (Nearest::Wide(nearest), Sampling::Wide(kernels)) = (&self.nearest, &self.kernels.sampling) {
+            commands.dispatch(self.device, &kernels.clear_nearest, &[nearest.bind()], &[self.n as u32], work);
+        }
+        commands.send(self.device)
     }
 
     /// No micropolygons wait for their colours.
@@ -159,30 +175,60 @@ impl<'a> Samples<'a> {
     /// Those of [`Buffer::reserve`] and [`Device::check`].
     pub fn sample(&mut self, frame: &Frame<'_>, grids: &[Diced], window: &mut Window) -> Result<(), GpuError> {
         let first = self.n_micropolygons;
-        self.upload(frame, grids, &[], !window.blocks.is_empty())?;
-        let n = self.n_micropolygons - first;
-        let Samples { device, kernels, depth, before, visible, .. } = &*self;
-        let (seen, params) = self.seen([first, n]);
-        let [depth_kernel, id_kernel] = match &self.blur {
-            Some(_) => [&kernels.blur_depth, &kernels.blur_id],
-            None => [&kernels.sample_depth, &kernels.sample_id],
-        };
-        let mut commands = staged("sample");
-        commands.copy(depth, before, self.n);
-        let bound: Vec<_> = seen.iter().copied().chain([depth.bind()]).collect();
-        commands.dispatch(device, depth_kernel, &bound, &params, groups(n, 64));
-        let bound = [depth.bind(), before.bind(), visible.bind()];
-        commands.dispatch(device, &kernels.uncover, &bound, &[self.n as u32], groups(self.n, 256));
-        let bound: Vec<_> = seen.iter().copied().chain([depth.bind(), before.bind(), visible.bind()]).collect();
-        commands.dispatch(device, id_kernel, &bound, &params, groups(n, 64));
+        let mut commands = Commands::new();
+        self.upload(frame, grids, &[], !window.blocks.is_empty(), &mut commands)?;
+        commands.stage("sample");
+        let range = [first, self.n_micropolygons - first];
         let n_blocks = window.size[0].div_ceil(BLOCK) * window.size[1].div_ceil(BLOCK);
-        let per_pixel = self.strata[0] * self.strata[1];
-        let params = [self.head[2], self.head[3], per_pixel as u32, n_blocks as u32];
-        let bound = [depth.bind(), self.blocks.bind()];
-        commands.dispatch(device, &kernels.block_depth, &bound, &params, groups(n_blocks, 64));
+        self.record(&mut commands, range, n_blocks);
+        let device = self.device;
         commands.send(device)?;
         window.blocks = self.blocks.read(device, n_blocks)?.into_iter().map(depth_of).collect();
         Ok(())
+    }
+
+    /// Record that micropolygons of a range, a first one and their count, are sampled, and the depths of blocks found.
+    fn record(&self, commands: &mut Commands, range: [usize; 2], n_blocks: usize) {
+        let Samples { device, kernels, depth, nearest, visible, .. } = self;
+        let (seen, params) = self.seen(range);
+        let (work, all) = (groups(range[1], 64), groups(self.n, 256));
+        let told = [self.head[2], self.head[3], (self.strata[0] * self.strata[1]) as u32, n_blocks as u32];
+        match (&kernels.sampling, nearest) {
+            (Sampling::Wide(kernels), Nearest::Wide(nearest)) => {
+                let kernel = if self.is_blurred() { &kernels.blur_nearest } else { &kernels.sample_nearest };
+                commands.dispatch(device, kernel, &[&seen[..], &[nearest.bind()]].concat(), &params, work);
+                let bound = [nearest.bind(), self.blocks.bind()];
+                commands.dispatch(device, &kernels.block_nearest, &bound, &told, groups(n_blocks, 64));
+            }
+            (Sampling::Twice(kernels), Nearest::Before(before)) => {
+                let [depth_kernel, id_kernel] = match self.is_blurred() {
+                    true => [&kernels.blur_depth, &kernels.blur_id],
+                    false => [&kernels.sample_depth, &kernels.sample_id],
+                };
+                let three = [depth.bind(), before.bind(), visible.bind()];
+                commands.copy(depth, before, self.n);
+                commands.dispatch(device, depth_kernel, &[&seen, &three[..1]].concat(), &params, work);
+                commands.dispatch(device, &kernels.uncover, &three, &[self.n as u32], all);
+                commands.dispatch(device, id_kernel, &[&seen[..], &three].concat(), &params, work);
+                let bound = [depth.bind(), self.blocks.bind()];
+                commands.dispatch(device, &kernels.block_depth, &bound, &told, groups(n_blocks, 64));
+            }
+            _ => unreachable!("what is nearest is as the kernels have it"),
+        }
+    }
+
+    /// Let depths and ids of what is nearest stand for themselves, which are together while it is sampled.
+    ///
+    /// # Errors
+    /// Those of [`Device::check`].
+    pub fn part(&self) -> Result<(), GpuError> {
+        let (Nearest::Wide(nearest), Sampling::Wide(kernels)) = (&self.nearest, &self.kernels.sampling) else {
+            return Ok(());
+        };
+        let mut commands = staged("sample");
+        let bound = [nearest.bind(), self.depth.bind(), self.visible.bind()];
+        commands.dispatch(self.device, &kernels.part_nearest, &bound, &[self.n as u32], groups(self.n, 256));
+        commands.send(self.device)
     }
 
     /// What kernels over micropolygons bind first, and what they are told: the part, and a first micropolygon and their count.
@@ -197,7 +243,7 @@ impl<'a> Samples<'a> {
     }
 
     /// Add grids to those that wait for their colours; `rows` has a number of each that its micropolygons have besides, if they have any.
-    /// What the device dices is left out if `culls` and it is behind the depths of the window's blocks.
+    /// What the device dices is left out if `culls` and it is behind the depths of the window's blocks; that it does so is recorded.
     ///
     /// # Errors
     /// Those of [`Buffer::reserve`].
@@ -207,6 +253,7 @@ impl<'a> Samples<'a> {
         grids: &[Diced],
         rows: &[u32],
         culls: bool,
+        commands: &mut Commands,
     ) -> Result<(), GpuError> {
         let (mut points, mut micropolygons) = (Runs::default(), Runs::default());
         let (mut tracks, mut caps) = (vec![], vec![]);
@@ -251,7 +298,7 @@ impl<'a> Samples<'a> {
         if range[1] > 0 {
             let Samples { head, blocks, points, micropolygons, .. } = &*self;
             let goal = DiceGoal { head: *head, blocks, points, micropolygons };
-            self.caps.dice(self.device, &goal, self.kernels, frame, range, culls)?;
+            self.caps.dice(self.device, &goal, self.kernels, frame, commands, (range, culls));
         }
         Ok(())
     }
@@ -382,17 +429,25 @@ impl<T: gpu::Pod> Runs<T> {
         self.n += n;
     }
 
-    /// Write them from a row on: run by run, or where these are many with the gaps, before these are filled.
+    /// Write them from a row on: runs that are near to each other together with the gaps between them, before these are filled.
     fn write(&self, device: &Device, buffer: &Buffer<T>, first: usize) {
-        const MANY: usize = 64;
+        /// Bytes that are written in the time that another write takes.
+        const GAP: usize = 1 << 15;
+        let gap = GAP / size_of::<T>();
         let ends = self.starts.iter().skip(1).map(|[_, end]| *end).chain([self.rows.len()]);
-        let runs = self.starts.iter().zip(ends).map(|([at, begin], end)| (*at, &self.rows[*begin..end]));
-        if self.starts.len() <= MANY {
-            return runs.for_each(|(at, rows)| buffer.write_from(device, first + at, rows));
+        let runs: Vec<(usize, &[T])> =
+            self.starts.iter().zip(ends).map(|([at, begin], end)| (*at, &self.rows[*begin..end])).collect();
+        for near in runs.chunk_by(|a, b| b.0 - a.0 - a.1.len() <= gap) {
+            let (at, rows) = near[0];
+            if near.len() == 1 {
+                buffer.write_from(device, first + at, rows);
+                continue;
+            }
+            let (last, end) = near[near.len() - 1];
+            let mut all = vec![T::zeroed(); last + end.len() - at];
+            near.iter().for_each(|(own, rows)| all[own - at..][..rows.len()].copy_from_slice(rows));
+            buffer.write_from(device, first + at, &all);
         }
-        let mut all = vec![T::zeroed(); self.n];
-        runs.for_each(|(at, rows)| all[at..at + rows.len()].copy_from_slice(rows));
-        buffer.write_from(device, first, &all);
     }
 }
 

@@ -19,11 +19,29 @@ fn sample_micropolygon(index: u32) {
     let second = triangle(q.a.z, q.c, q.d, q.side);
     let start = vec2<u32>(max(least, vec2<f32>()) * vec2<f32>(strata));
     let end = min(vec2<u32>(min(most, size) * vec2<f32>(strata)) + 1u, vec2<u32>(params[2], params[3]) * strata);
+    if any(start >= end) {
+        return;
+    }
+    // Pixel and stratum go on with the sample: to divide for each would take as long as its test.
+    let first_pixel = start / strata;
+    let first_stratum = start % strata;
+    let pattern = vec2<u32>(corner(params[0], params[1]));
+    var pixel_y = first_pixel.y;
+    var stratum_y = first_stratum.y;
     for (var y = start.y; y < end.y; y += 1u) {
+        let offsets_of_row = (((pattern.y + pixel_y) & 31u) * strata.y + stratum_y) * 32u * strata.x;
+        let samples_of_row = pixel_y * params[2] * strata.x * strata.y + stratum_y * strata.x;
+        var pixel_x = first_pixel.x;
+        var stratum_x = first_stratum.x;
         for (var x = start.x; x < end.x; x += 1u) {
-            let pixel = vec2<u32>(x, y) / strata;
-            let stratum = vec2<u32>(x, y) % strata;
-            let d = place(pixel, stratum) - q.a.xy;
+            let at = offsets_of_row + ((pattern.x + pixel_x) & 31u) * strata.x + stratum_x;
+            let d = vec2<f32>(vec2<u32>(pixel_x, pixel_y)) + offsets[at] - q.a.xy;
+            let sample = samples_of_row + pixel_x * strata.x * strata.y + stratum_x;
+            stratum_x += 1u;
+            if stratum_x == strata.x {
+                stratum_x = 0u;
+                pixel_x += 1u;
+            }
             if d.x < low.x || d.y < low.y || d.x > high.x || d.y > high.y {
                 continue;
             }
@@ -36,8 +54,12 @@ fn sample_micropolygon(index: u32) {
             if !choice.is_met {
                 continue;
             }
-            let sample = (pixel.y * params[2] + pixel.x) * strata.x * strata.y + stratum.y * strata.x + stratum.x;
             take(sample, key_of(select(p.z, r.z, choice.is_second)), (2u * index + u32(choice.is_second)) | choice.flags);
+        }
+        stratum_y += 1u;
+        if stratum_y == strata.y {
+            stratum_y = 0u;
+            pixel_y += 1u;
         }
     }
 }

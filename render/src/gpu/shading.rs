@@ -5,21 +5,22 @@ use crate::cpu::view::View;
 use crate::gpu::caps::Caps;
 use crate::gpu::few::{Chosen, Few, count_of, offset_of};
 use crate::gpu::front::Diced;
-use crate::gpu::kept::Kept;
+use crate::gpu::kept::{Kept, Recorded};
 use crate::gpu::kernels::{FrameKernels, groups, staged};
 use crate::gpu::outputs::Outputs;
 use crate::gpu::refusal::Refusal;
 use crate::gpu::world::{DECLARATIONS, FUNCTIONS, OF_RAYS};
 use crate::scene::attributes::Attributes;
-use crate::scene::source::{Item, ItemView};
+use crate::scene::source::{Item, ItemView, Source};
 use crate::scene::world::Scene;
 use crate::stats::Stats;
 use gpu::{Buffer, Device, GpuError, Kernels, Work};
 use rayon::prelude::*;
 use sl::Global;
-use sl::ir::{Ask, Lookup};
+use sl::ir::{Ask, Lookup, Program};
 use sl::machine::BoundShader;
-use sl::wgsl::{Batch, Host, Kernel, Query, Target};
+use sl::wgsl::{Batch, Extent, Host, Kernel, Query, Target};
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// Points of a grid that looks at neighbours, at least as many as any has.
@@ -90,12 +91,25 @@ impl<'a> Shaders<'a> {
     /// # Errors
     /// A shader that has no kernel.
     pub fn find(&mut self, frame: &Frame<'_>, layered: &[bool]) -> Result<[bool; 2], Refusal> {
-        for (k, source) in frame.scene.sources.iter().enumerate() {
-            let is_shaded = !source.attributes.matte || layered[k];
-            if source.attributes.visible && is_shaded && source.len() > 0 {
-                let item = Item { source: k as u32, index: 0 };
-                self.look(frame, item, &frame.scene.view(item))?;
+        let is_wanted = |source: &Source, is_layered: bool| {
+            let is_shaded = !source.attributes.matte || is_layered;
+            source.attributes.visible && is_shaded && source.len() > 0
+        };
+        let sources = (0..).zip(&frame.scene.sources).zip(layered);
+        let wanted = sources.filter(|((_, source), is_layered)| is_wanted(source, **is_layered));
+        let items: Vec<Item> = wanted.map(|((source, _), _)| Item { source, index: 0 }).collect();
+        // Those of programs are written at once; the others differ from these in numbers alone, as far as strings do not.
+        let mut known = HashSet::new();
+        let first: Vec<Item> =
+            items.iter().copied().filter(|item| known.insert(programs_of(frame.scene.attributes(*item)))).collect();
+        let written: Vec<_> = first.par_iter().map(|item| self.write(frame, *item, &frame.scene.view(*item))).collect();
+        for (item, kernels) in first.into_iter().zip(written) {
+            if self.known(frame.scene.attributes(item)).is_none() {
+                self.push(frame.scene.attributes(item), kernels?)?;
             }
+        }
+        for item in items {
+            self.look(frame, item, &frame.scene.view(item))?;
         }
         let kernels = || self.looks.iter().flat_map(|look| [Some(&look.kernel), look.through.as_ref()]).flatten();
         let asks = |queries: &[Query]| kernels().any(|kernel| queries.iter().any(|query| kernel.asks(*query)));
@@ -138,27 +152,37 @@ impl<'a> Shaders<'a> {
 
     /// The index of what an item of a view looks by.
     fn look(&mut self, frame: &Frame<'_>, item: Item, view: &ItemView<'_>) -> Result<usize, Refusal> {
-        let a = view.attributes;
-        if let Some(k) = self.looks.iter().position(|look| look.is_of(a)) {
-            return Ok(k);
+        match self.known(view.attributes) {
+            Some(k) => Ok(k),
+            None => self.push(view.attributes, self.write(frame, item, view)?),
         }
+    }
+
+    /// The index of what primitives of some attributes look by, if it is there.
+    fn known(&self, a: &Attributes) -> Option<usize> {
+        self.looks.iter().position(|look| look.is_of(a))
+    }
+
+    /// Write the kernels of an item of a view: that of its surface, and that of its atmosphere.
+    fn write(&self, frame: &Frame<'_>, item: Item, view: &ItemView<'_>) -> Result<(Kernel, Option<Kernel>), Refusal> {
+        let a = view.attributes;
         let scene = View::new(frame.scene, &frame.rays, item, view, [0.0; 2]);
         let kernel = self.kernel(frame, &a.surface, &a.light_list, &scene)?;
-        let through = a.atmosphere.as_ref().map(|shader| {
-            let scene = View { shader_to_world: a.atmosphere_space, ..scene };
-            self.kernel(frame, shader, &a.light_list, &scene)
-        });
-        let through = through.transpose()?;
-        if let (Some(shader), Some(through)) = (&a.atmosphere, &through) {
-            if through.asks_by_name(Ask::Surface) {
-                return Err(Refusal::of_shader(&shader.program.name, "asks a surface shader what it has left"));
-            }
-            let changes = |target| !matches!(target, Target::Global(Global::Ci | Global::Oi) | Target::Parameter(_));
-            if kernel.outputs().iter().any(|output| changes(output.target)) {
-                let name = &a.surface.program.name;
-                return Err(Refusal::of_shader(name, "changes more than colours before an atmosphere"));
-            }
+        let Some(shader) = &a.atmosphere else { return Ok((kernel, None)) };
+        let scene = View { shader_to_world: a.atmosphere_space, ..scene };
+        let through = self.kernel(frame, shader, &a.light_list, &scene)?;
+        if through.asks_by_name(Ask::Surface) {
+            return Err(Refusal::of_shader(&shader.program.name, "asks a surface shader what it has left"));
         }
+        let changes = |target| !matches!(target, Target::Global(Global::Ci | Global::Oi) | Target::Parameter(_));
+        if kernel.outputs().iter().any(|output| changes(output.target)) {
+            return Err(Refusal::of_shader(&a.surface.program.name, "changes more than colours before an atmosphere"));
+        }
+        Ok((kernel, Some(through)))
+    }
+
+    /// Add what primitives of some attributes look by; its index.
+    fn push(&mut self, a: &Attributes, (kernel, through): (Kernel, Option<Kernel>)) -> Result<usize, Refusal> {
         let (surface, lights, atmosphere) = (a.surface.clone(), a.light_list.clone(), a.atmosphere.clone());
         let lost =
             Buffer::of(self.device, "points without finite colours", &[0, u32::MAX, 0, u32::MAX, 0, 0, u32::MAX])?;
@@ -264,7 +288,7 @@ impl<'a> Shaders<'a> {
         sums.take_while(|sum| *sum < self.most_values).count().clamp(1, own.len())
     }
 
-    /// Shade grids of a look: parts of them are prepared by several threads, and each is run by itself.
+    /// Shade grids of a look: parts of them are prepared by several threads, and run together.
     fn run(
         &self,
         frame: &Frame<'_>,
@@ -279,14 +303,19 @@ impl<'a> Shaders<'a> {
         let n_parts = own.len().div_ceil(LEAST).min(rayon::current_num_threads());
         let prepare = |part: &[Wanted]| Prepared::new(frame, look, grids, (part, wanted), goal.outputs.is_some());
         let parts: Vec<_> = own.par_chunks(own.len().div_ceil(n_parts)).map(prepare).collect();
-        // What the kernels of all parts find wrong.
+        // One behind the other, so that one dispatch shades them all.
+        let mut parts: Vec<Prepared<'_>> = parts.into_iter().collect::<Result<_, _>>()?;
+        let [mut before, mut before_later] = [Extent::default(); 2];
+        for part in &mut parts {
+            stats.shaded_points += part.few.n_points as u64;
+            part.place([&mut before, &mut before_later]);
+        }
+        parts.par_iter_mut().for_each(Prepared::move_on);
         let status = |kernel: &Kernel| Buffer::<u32>::zeros(self.device, "status", kernel.n_status());
         let status = [status(&look.kernel)?, status(look.through.as_ref().unwrap_or(&look.kernel))?];
-        for part in parts {
-            let part = part?;
-            stats.shaded_points += part.few.n_points as u64;
-            self.run_part(frame, look, &part, goal, &status)?;
-        }
+        self.run_parts(frame, look, &parts, goal, &status)?;
+        // They are large.
+        parts.into_par_iter().for_each(drop);
         for (kernel, status) in [Some(&look.kernel), look.through.as_ref()].into_iter().zip(&status) {
             let Some(kernel) = kernel else { continue };
             if let Some(fault) = kernel.faults(&status.read(self.device, kernel.n_status())?).first() {
@@ -297,66 +326,94 @@ impl<'a> Shaders<'a> {
     }
 
     /// Run the kernels of a look over some points, and take what they find; `status` takes their faults.
-    fn run_part(
+    fn run_parts(
         &self,
         frame: &Frame<'_>,
         look: &Look,
-        part: &Prepared<'_>,
+        parts: &[Prepared<'_>],
         goal: Goal<'_>,
         status: &[Buffer<u32>; 2],
     ) -> Result<(), Refusal> {
-        let Prepared { batch, later, few } = part;
-        let results = self.dispatch(frame, (&look.kernel, batch), Before::Caps(few, goal), &status[0])?;
-        self.take_given(few, look, goal)?;
-        self.take(&look.kernel, batch, few, &results, (look, 0), goal)?;
-        if let Some(outputs) = goal.outputs {
-            self.take_outputs(outputs, &few.rows, &results)?;
-            let given = Buffer::of(self.device, "given outputs", &few.given_outputs)?;
-            self.take_outputs(outputs, &few.given_rows, &given)?;
+        let batches: Vec<&Batch<'_>> = parts.iter().map(|part| &part.batch).collect();
+        let mut recorded = Recorded::new(staged("shade"));
+        let first = Before::Caps(parts, goal);
+        let results = self.dispatch(frame, (&look.kernel, &batches), first, &status[0], &mut recorded)?;
+        let own = parts.iter().map(|part| (&part.few, &part.batch));
+        self.take(&look.kernel, own, &results, (look, 0), goal, &mut recorded)?;
+        recorded.send(self.device, self.kept)?;
+        for part in parts {
+            self.take_given(&part.few, look, goal)?;
+            if let Some(outputs) = goal.outputs {
+                self.take_outputs(outputs, &part.few.rows, &results)?;
+                let given = Buffer::of(self.device, "given outputs", &part.few.given_outputs)?;
+                self.take_outputs(outputs, &part.few.given_rows, &given)?;
+            }
         }
-        if let (Some(kernel), Some(later)) = (&look.through, later) {
+        if let Some(kernel) = &look.through {
             // What the atmosphere leaves is as the surface has it.
-            let runs = few.relays(batch, &look.kernel, later);
-            let passed = self.dispatch(frame, (kernel, later), Before::Surface(&results, &runs), &status[1])?;
-            self.take(kernel, later, few, &passed, (look, 1), goal)?;
+            let own = || parts.iter().filter_map(|part| Some((&part.few, &part.batch, part.later.as_ref()?)));
+            let runs: Vec<_> = own().flat_map(|(few, batch, later)| few.relays(batch, &look.kernel, later)).collect();
+            let batches: Vec<&Batch<'_>> = own().map(|(_, _, later)| later).collect();
+            let mut recorded = Recorded::new(staged("shade"));
+            let before = Before::Surface(&results, &runs);
+            let passed = self.dispatch(frame, (kernel, &batches), before, &status[1], &mut recorded)?;
+            let own = own().map(|(few, _, later)| (few, later));
+            self.take(kernel, own, &passed, (look, 1), goal, &mut recorded)?;
+            recorded.send(self.device, self.kept)?;
         }
         self.kept.give("results", results);
         Ok(())
     }
 
-    /// Run a kernel, whose values take what there is before it.
+    /// Record that a kernel runs over batches that stand one behind the other, whose values take what there is before it.
     fn dispatch(
         &self,
         frame: &Frame<'_>,
-        (kernel, batch): (&Kernel, &Batch<'_>),
+        (kernel, batches): (&Kernel, &[&Batch<'_>]),
         before: Before<'_>,
         status: &Buffer<u32>,
+        recorded: &mut Recorded,
     ) -> Result<Buffer<f32>, Refusal> {
         let device = self.device;
         let compiled = self.kernels.get(device, "shader", &kernel.text, &[])?;
+        let mut all = Extent::default();
+        batches.iter().for_each(|batch| all += batch.extent());
         // Kernels ask for its length.
-        let groups_of = Buffer::of(device, "groups", &batch.groups)?;
+        let groups: Vec<[u32; 2]> = batches.iter().flat_map(|batch| &batch.groups).copied().collect();
+        let groups_of = Buffer::of(device, "groups", &groups)?;
         let kept = self.kept;
-        let grids = kept.filled(device, "grids", &batch.grids)?;
-        let slots = kept.filled(device, "slots", &batch.slots)?;
-        let lights = kept.filled(device, "lights", &batch.lights)?;
-        let values = kept.take(device, "values", batch.n_values())?;
-        values.write(device, &batch.values);
-        let results = kept.take(device, "results", batch.n_results())?;
-        let mut commands = staged("shade");
+        let grids = kept.take(device, "grids", all.grids)?;
+        let slots = kept.take(device, "slots", all.slots)?;
+        let lights = kept.take(device, "lights", all.lights)?;
+        let values = kept.take(device, "values", all.values)?;
+        let results = kept.take(device, "results", all.results)?;
+        for batch in batches {
+            let first = batch.before();
+            grids.write_from(device, first.grids, &batch.grids);
+            slots.write_from(device, first.slots, &batch.slots);
+            lights.write_from(device, first.lights, &batch.lights);
+            values.write_from(device, first.values, &batch.values);
+        }
         match before {
-            Before::Caps(few, goal) if !few.of_caps.is_empty() => {
-                let given = kept.filled(device, "shaded caps", &few.of_caps)?;
-                let n = few.of_caps.len() / 2;
-                goal.caps.give(device, self.own, frame, &mut commands, (&given, goal.wanted, &values), n);
-                kept.give("shaded caps", given);
+            Before::Caps(parts, goal) => {
+                let n: usize = parts.iter().map(|part| part.few.of_caps.len() / 2).sum();
+                if n > 0 {
+                    let given = kept.take(device, "shaded caps", 2 * n)?;
+                    let mut first = 0;
+                    for part in parts {
+                        given.write_from(device, first, &part.few.of_caps);
+                        first += part.few.of_caps.len();
+                    }
+                    let buffers = (&given, goal.wanted, &values);
+                    goal.caps.give(device, self.own, frame, &mut recorded.commands, buffers, n);
+                    recorded.hold("shaded caps", given);
+                }
             }
-            Before::Caps(..) => {}
             Before::Surface(found, runs) => {
                 let n = runs.len();
                 let runs = Buffer::of(device, "runs", runs)?;
                 let bound = [runs.bind(), found.bind(), values.bind()];
-                commands.dispatch(device, &self.own.relay, &bound, &[n as u32], Work::Groups(n as u32));
+                recorded.commands.dispatch(device, &self.own.relay, &bound, &[n as u32], Work::Groups(n as u32));
             }
         }
         let inputs = [groups_of.bind(), grids.bind(), slots.bind(), lights.bind(), values.bind()];
@@ -364,31 +421,34 @@ impl<'a> Shaders<'a> {
         if FUNCTIONS[0].iter().any(|(query, _)| kernel.asks(*query)) {
             bound.push(self.world.bind());
         }
-        commands.dispatch(device, &compiled, &bound, &[], Work::Groups(batch.groups.len() as u32));
-        commands.send(device)?;
-        kept.give("grids", grids);
-        kept.give("slots", slots);
-        kept.give("lights", lights);
-        kept.give("values", values);
+        recorded.commands.dispatch(device, &compiled, &bound, &[], Work::Groups(groups.len() as u32));
+        recorded.hold("grids", grids);
+        recorded.hold("slots", slots);
+        recorded.hold("lights", lights);
+        recorded.hold("values", values);
         Ok(results)
     }
 
-    /// Take the colours and opacities that a kernel has found, if it gives any: that of the surface, 0, or of the atmosphere, 1, of a look.
-    fn take(
+    /// Record that the colours and opacities are taken that a kernel has found, if it gives any: that of the surface, 0, or of the atmosphere, 1, of
+    /// a look.
+    fn take<'b>(
         &self,
         kernel: &Kernel,
-        batch: &Batch<'_>,
-        few: &Few<'_>,
+        own: impl Iterator<Item = (&'b Few<'b>, &'b Batch<'b>)>,
         results: &Buffer<f32>,
-        (look, index): (&Look, u32),
+        by: (&Look, u32),
         goal: Goal<'_>,
+        recorded: &mut Recorded,
     ) -> Result<(), GpuError> {
         let [color, opacity] = [Global::Ci, Global::Oi].map(|g| offset_of(kernel, g).map_or(u32::MAX, |n| n as u32));
         if [color, opacity] == [u32::MAX; 2] {
             return Ok(());
         }
-        let rows: Vec<_> = few.grids.iter().enumerate().flat_map(|(k, grid)| grid.rows(batch.results_of(k))).collect();
-        self.put(&rows, results, [color, opacity], (look, index), goal)
+        let of_grid = |(few, batch): (&'b Few<'b>, &'b Batch<'b>)| {
+            few.grids.iter().enumerate().flat_map(|(k, grid)| grid.rows(batch.results_of(k)))
+        };
+        let rows: Vec<_> = own.flat_map(of_grid).collect();
+        self.put(&rows, results, [color, opacity], by, goal, recorded)
     }
 
     /// Take the opacities of points whose surface shader leaves them as they are given.
@@ -398,10 +458,12 @@ impl<'a> Shaders<'a> {
         }
         let rows: Vec<_> = few.grids.iter().flat_map(|grid| grid.rows_of_opacities()).collect();
         let given = Buffer::of(self.device, "given opacities", &few.opacities)?;
-        self.put(&rows, &given, [u32::MAX, 0], (look, 0), goal)
+        let mut recorded = Recorded::new(staged("shade"));
+        self.put(&rows, &given, [u32::MAX, 0], (look, 0), goal, &mut recorded)?;
+        recorded.send(self.device, self.kept)
     }
 
-    /// Put colours and opacities among those of all points; two rows a grid.
+    /// Record that colours and opacities are put among those of all points, by two rows a grid.
     fn put(
         &self,
         rows: &[[u32; 4]],
@@ -409,6 +471,7 @@ impl<'a> Shaders<'a> {
         [color, opacity]: [u32; 2],
         (look, index): (&Look, u32),
         goal: Goal<'_>,
+        recorded: &mut Recorded,
     ) -> Result<(), GpuError> {
         let n = rows.len() / 2;
         let rows = self.kept.filled(self.device, "shaded grids", rows)?;
@@ -418,10 +481,8 @@ impl<'a> Shaders<'a> {
         let opacities = goal.opacities.unwrap_or(&self.nothing);
         let bound =
             [rows.bind(), goal.wanted.bind(), results.bind(), goal.colors.bind(), opacities.bind(), look.lost.bind()];
-        let mut commands = staged("shade");
-        commands.dispatch(self.device, &self.own.point_colors, &bound, &params, groups(n, 1));
-        commands.send(self.device)?;
-        self.kept.give("shaded grids", rows);
+        recorded.commands.dispatch(self.device, &self.own.point_colors, &bound, &params, groups(n, 1));
+        recorded.hold("shaded grids", rows);
         Ok(())
     }
 
@@ -449,7 +510,7 @@ struct Wanted {
 /// What goes to values before a kernel runs.
 enum Before<'a> {
     /// Points of tiles that the device dices.
-    Caps(&'a Few<'a>, Goal<'a>),
+    Caps(&'a [Prepared<'a>], Goal<'a>),
     /// What a surface's kernel has found, by runs.
     Surface(&'a Buffer<f32>, &'a [[u32; 4]]),
 }
@@ -459,6 +520,8 @@ struct Prepared<'a> {
     batch: Batch<'a>,
     later: Option<Batch<'a>>,
     few: Few<'a>,
+    /// What stands before the batches in the buffers of their kernels.
+    before: [Extent; 2],
 }
 
 impl<'a> Prepared<'a> {
@@ -481,8 +544,37 @@ impl<'a> Prepared<'a> {
         }
         let first = batch.place_filled() as u32;
         few.of_caps.iter_mut().step_by(2).for_each(|row| row[3] += first);
-        Ok(Prepared { batch, later, few })
+        let before = [Extent::default(); 2];
+        Ok(Prepared { batch, later, few, before })
     }
+
+    /// Note what stands before it in the buffers of the kernels, that of the surface and that of the atmosphere, and add what it has.
+    fn place(&mut self, before: [&mut Extent; 2]) {
+        for ((own, before), batch) in self.before.iter_mut().zip(before).zip([Some(&self.batch), self.later.as_ref()]) {
+            *own = *before;
+            *before += batch.map_or_else(Extent::default, Batch::extent);
+        }
+    }
+
+    /// Move all of its places on by what stands before it.
+    fn move_on(&mut self) {
+        let [before, before_later] = self.before;
+        let (values, results) = (before.values as u32, before.results as u32);
+        for rows in self.few.of_caps.as_chunks_mut::<2>().0 {
+            (rows[0][3], rows[1][0]) = (rows[0][3] + values, rows[1][0] + values);
+        }
+        self.few.rows.iter_mut().for_each(|row| row[1] += results);
+        self.batch.stand_behind(before);
+        if let Some(later) = &mut self.later {
+            later.stand_behind(before_later);
+        }
+    }
+}
+
+/// The programs of the shaders that primitives of some attributes look by, and the lights that shine on them, by where they are.
+fn programs_of(a: &Attributes) -> (*const Program, Option<*const BoundShader>, Vec<*const BoundShader>) {
+    let lights = a.light_list.iter().map(Arc::as_ptr).collect();
+    (Arc::as_ptr(&a.surface.program), a.atmosphere.as_ref().map(Arc::as_ptr), lights)
 }
 
 impl Look {

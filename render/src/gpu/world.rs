@@ -55,7 +55,7 @@ pub fn rows(
     rays: Option<Met<'_>>,
     sky: Option<&Surroundings>,
     maps: &[String],
-    id: &dyn Fn(Item) -> u32,
+    id: &(dyn Fn(Item) -> u32 + Sync),
 ) -> Result<Vec<[u32; 4]>, String> {
     let mut rows = vec![[0; 4]; HEAD];
     if let Some(rays) = rays {
@@ -124,17 +124,22 @@ fn point(v: Vec3) -> [u32; 4] {
     bits(v.extend(0.0))
 }
 
+/// Rows that are worth a thread.
+const LEAST: usize = 1024;
+
 /// Add the nodes of a tree; the row of the first.
 fn push_tree(rows: &mut Vec<[u32; 4]>, tree: &Tree) -> u32 {
-    let first = rows.len() as u32;
+    let first = rows.len();
     let nodes = tree.nodes();
     let next =
         walk(nodes.len(), |k| (nodes[k].max_count.w.to_bits() == 0).then(|| nodes[k].min_at.w.to_bits() as usize));
-    for (node, next) in nodes.iter().zip(next) {
+    rows.resize(first + 2 * nodes.len(), [0; 4]);
+    let each = rows[first..].par_chunks_exact_mut(2).zip(nodes).zip(next).with_min_len(LEAST);
+    each.for_each(|((rows, node), next)| {
         let ([x, y, z, at], [u, v, w, count]) = (bits(node.min_at), bits(node.max_count));
-        rows.extend([[x, y, z, next], [u, v, w, if count == 0 { 0 } else { at << 3 | count }]]);
-    }
-    first
+        rows.copy_from_slice(&[[x, y, z, next], [u, v, w, if count == 0 { 0 } else { at << 3 | count }]]);
+    });
+    first as u32
 }
 
 /// Of the nodes of a tree, each of which stands before its first child, the next that is not below each: `second` has the second child of
@@ -151,7 +156,12 @@ fn walk(n: usize, second: impl Fn(usize) -> Option<usize>) -> Vec<u32> {
 }
 
 /// Add what stops light, with the tree of it.
-fn push_rays(rows: &mut Vec<[u32; 4]>, scene: &Scene, Met { bvh, facets }: &Met<'_>, id: &dyn Fn(Item) -> u32) {
+fn push_rays(
+    rows: &mut Vec<[u32; 4]>,
+    scene: &Scene,
+    Met { bvh, facets }: &Met<'_>,
+    id: &(dyn Fn(Item) -> u32 + Sync),
+) {
     if bvh.occluders().is_empty() && facets.is_empty() {
         return;
     }
@@ -161,18 +171,21 @@ fn push_rays(rows: &mut Vec<[u32; 4]>, scene: &Scene, Met { bvh, facets }: &Met<
         let row = if bvh.is_translucent(item) { translucent[&scene.whole_of(item)] } else { 0 };
         [id(item), row]
     };
-    let push = |rows: &mut Vec<[u32; 4]>, tree: &Tree, order: &mut dyn Iterator<Item = usize>| {
+    let push = |rows: &mut Vec<[u32; 4]>, tree: &Tree, n: usize, of: &(dyn Fn(usize) -> usize + Sync)| {
         rows[0] = [push_tree(rows, tree), 0, tree.nodes().len() as u32, 0];
         rows[0][1] = rows.len() as u32;
-        for k in order {
-            match bvh.occluders().get(k) {
-                Some((item, occluder)) => push_occluder(rows, bvh, named(*item), occluder),
-                None => push_facet(rows, named, &facets[k - bvh.occluders().len()]),
-            }
-        }
+        let first = rows.len();
+        rows.resize(first + 4 * n, [0; 4]);
+        rows[first..].par_chunks_exact_mut(4).enumerate().with_min_len(LEAST).for_each(|(place, rows)| {
+            let k = of(place);
+            rows.copy_from_slice(&match bvh.occluders().get(k) {
+                Some((item, occluder)) => occluder_rows(bvh, named(*item), occluder),
+                None => facet_rows(named, &facets[k - bvh.occluders().len()]),
+            });
+        });
     };
     if facets.is_empty() {
-        return push(rows, bvh.tree(), &mut (0..bvh.occluders().len()));
+        return push(rows, bvh.tree(), bvh.occluders().len(), &|place| place);
     }
     // One tree over both.
     let of_facet = |(_, [a, b, c], _): &(Item, [Vec3; 3], f32)| {
@@ -183,7 +196,7 @@ fn push_rays(rows: &mut Vec<[u32; 4]>, scene: &Scene, Met { bvh, facets }: &Met<
     let mut bounds: Vec<(Vec3, Vec3)> = bvh.occluders().iter().map(|(_, occluder)| bvh.bound(occluder)).collect();
     bounds.extend(facets.iter().map(of_facet));
     let (tree, order) = Tree::new(bounds.into_par_iter());
-    push(rows, &tree, &mut order.into_iter().map(|k| k as usize));
+    push(rows, &tree, order.len(), &|place| order[place] as usize);
 }
 
 /// Add what lets a part of the light through: its opacity and its own row, which is the same for all parts of a thing; the rows by things.
@@ -200,19 +213,15 @@ fn push_translucent(rows: &mut Vec<[u32; 4]>, scene: &Scene, items: impl Iterato
     all
 }
 
-/// Add a triangle of what is displaced.
-fn push_facet(
-    rows: &mut Vec<[u32; 4]>,
-    named: impl Fn(Item) -> [u32; 2],
-    (item, [a, b, c], room): &(Item, [Vec3; 3], f32),
-) {
+/// The rows of a triangle of what is displaced.
+fn facet_rows(named: impl Fn(Item) -> [u32; 2], (item, [a, b, c], room): &(Item, [Vec3; 3], f32)) -> [[u32; 4]; 4] {
     let [id, row] = named(*item);
-    rows.extend([[4, id, room.to_bits(), row], point(*a), point(*b), point(*c)]);
+    [[4, id, room.to_bits(), row], point(*a), point(*b), point(*c)]
 }
 
-fn push_occluder(rows: &mut Vec<[u32; 4]>, bvh: &Bvh, [id, row]: [u32; 2], occluder: &Occluder) {
+fn occluder_rows(bvh: &Bvh, [id, row]: [u32; 2], occluder: &Occluder) -> [[u32; 4]; 4] {
     let none = [0; 4];
-    rows.extend(match *occluder {
+    match *occluder {
         Occluder::Sphere { center, radius } => [[0, id, 0, row], bits(center.extend(radius)), none, none],
         Occluder::Ellipsoid { inverse } => {
             let m = bvh.inverse(inverse);
@@ -223,7 +232,7 @@ fn push_occluder(rows: &mut Vec<[u32; 4]>, bvh: &Bvh, [id, row]: [u32; 2], occlu
             let kind = if room.is_none() { 2 } else { 3 };
             [[kind, id, room.unwrap_or(0.0).to_bits(), row], point(a), point(b), point(c)]
         }
-    });
+    }
 }
 
 fn push_sky(rows: &mut Vec<[u32; 4]>, sky: &Surroundings, id: &dyn Fn(Item) -> u32) {

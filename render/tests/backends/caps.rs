@@ -1,7 +1,7 @@
 //! Spheres whose caps the device dices.
 
 use super::{CAMERA, Compared, LIT, balls, compare, device, render};
-use render::DeviceRenderer;
+use render::{DeviceRenderer, DrawnBy};
 use std::sync::Arc;
 
 /// Spheres whose caps the device dices: every sample sees the triangle that it sees on the processor, and what goes to the device is what caps
@@ -87,4 +87,53 @@ fn buffers_are_kept_from_frame_to_frame() {
     let limited = Arc::new(limited);
     let [before, after] = [0; 2].map(|_| bits(&scene(60), &limited));
     assert!(before.0 == many && after.0 == many);
+}
+
+/// Frames that several threads draw on one device at once are as each is alone: none writes to a buffer that commands of another, which are not
+/// sent yet, are to use.
+#[test]
+fn frames_of_several_threads_are_each_its_own() {
+    if device().is_none() {
+        return;
+    }
+    let device = Arc::new(DeviceRenderer::open(&gpu::Choice::Any).unwrap());
+    let scenes = [5, 20, 40].map(|n| format!("{CAMERA}{LIT}ShadingRate 0.2 {} WorldEnd", balls(n)));
+    let draw = |rib: &String| render(rib, Some(device.clone()), None).image;
+    let alone = scenes.each_ref().map(draw);
+    std::thread::scope(|scope| {
+        for _ in 0..2 {
+            for (rib, alone) in scenes.iter().zip(&alone) {
+                let draw = &draw;
+                scope.spawn(move || (0..8).for_each(|k| assert!(draw(rib) == *alone, "frame {k}")));
+            }
+        }
+    });
+}
+
+/// What is nearest at a sample is found in one pass where a device has atomics of 64 bits, else in two: the same bits. Several waves and several
+/// flushes of them, so that what is equally deep meets what has its colour.
+#[test]
+fn one_pass_of_sampling_sees_what_two_see() {
+    let open = || gpu::Device::open(&gpu::Choice::Any).unwrap();
+    if device().is_none() {
+        return;
+    }
+    let wall = "Patch \"bilinear\" \"P\" [-2 -2 0 2 -2 0 -2 2 0 2 2 0] Color [0.2 0.4 0.9]";
+    let glass = "Opacity [0.5 0.3 0.8] Sphere 1.2 -1.2 1.2 360";
+    let moving = "MotionBegin [0 1] Translate 0 0 0 Translate 0.3 0.1 0 MotionEnd";
+    for (name, options, motion) in
+        [("still", "", ""), ("motion", "Shutter 0 1", moving), ("lens", "DepthOfField 4 0.3 5.5", "")]
+    {
+        let camera = CAMERA.replacen("Translate", &format!("{options} Translate"), 1);
+        let rib = format!("{camera}{LIT}{motion} {wall} {wall} {wall} {} {glass} WorldEnd", balls(40));
+        let images = [open(), open().without_wide_atomics()].map(|device| {
+            let mut own = DeviceRenderer::new(device).unwrap();
+            (own.limits.wave, own.limits.points) = ([1 << 10, 1 << 11], 1 << 12);
+            render(&rib, Some(Arc::new(own)), None)
+        });
+        let [one, two] = &images;
+        assert!(images.iter().all(|image| image.drawn_by == DrawnBy::Gpu), "{name}");
+        assert!(one.identities == two.identities && one.image == two.image, "{name}");
+        assert!(one.identities.iter().any(|id| *id != 0), "{name}");
+    }
 }

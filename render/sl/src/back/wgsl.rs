@@ -25,6 +25,6 @@ mod texts;
 mod value;
 mod writer;
 
-pub use batch::{Batch, Fault};
+pub use batch::{Batch, Extent, Fault};
 pub use kernel::{Kernel, Output, Shader, Target};
 pub use module::{Host, Query, Refused};

@@ -4,7 +4,7 @@ use crate::world::{FUNCTIONS, World};
 use gpu::{Buffer, Choice, Commands, Device, Kernels, Work};
 use sl::Global;
 use sl::machine::{BoundShader, Machine, Points, VariableSlots};
-use sl::wgsl::{Batch, Fault, Host, Kernel, Refused};
+use sl::wgsl::{Batch, Extent, Fault, Host, Kernel, Refused};
 use std::sync::{Arc, OnceLock};
 
 /// A device and its kernels.
@@ -83,23 +83,36 @@ pub fn host(world: &World) -> Host<'_> {
     Host { group: 256, functions: &FUNCTIONS, declarations: "", scene: world }
 }
 
-/// Run a shader's kernel on a device over grids.
-pub fn run(bench: &Bench, kernel: &Kernel, batch: &Batch<'_>) -> (Vec<f32>, Vec<u32>) {
+/// Run a shader's kernel on a device over the grids of batches that stand one behind the other.
+pub fn run(bench: &Bench, kernel: &Kernel, batches: &[Batch<'_>]) -> (Vec<f32>, Vec<u32>) {
     let Bench { device, kernels } = bench;
     let compiled = kernels.get(device, "shader", &kernel.text, &[]).unwrap_or_else(|e| panic!("{e}\n{}", kernel.text));
-    let groups = Buffer::of(device, "groups", &batch.groups).unwrap();
-    let grids = Buffer::of(device, "grids", &batch.grids).unwrap();
-    let slots = Buffer::of(device, "slots", &batch.slots).unwrap();
-    let lights = Buffer::of(device, "lights", &batch.lights).unwrap();
-    let values = Buffer::of(device, "values", &batch.values).unwrap();
-    let results = Buffer::<f32>::zeros(device, "results", batch.n_results()).unwrap();
-    let status = Buffer::<u32>::zeros(device, "status", batch.n_status()).unwrap();
+    let mut all = Extent::default();
+    for batch in batches {
+        assert_eq!(batch.before(), all, "a batch stands behind those before it");
+        all += batch.extent();
+    }
+    fn rows<'b, T: gpu::Pod>(
+        device: &gpu::Device,
+        batches: &'b [Batch<'b>],
+        of: impl Fn(&'b Batch<'b>) -> &'b Vec<T>,
+    ) -> Buffer<T> {
+        let rows: Vec<T> = batches.iter().flat_map(of).copied().collect();
+        Buffer::of(device, "rows of batches", &rows).unwrap()
+    }
+    let groups = rows(device, batches, |batch| &batch.groups);
+    let grids = rows(device, batches, |batch| &batch.grids);
+    let slots = rows(device, batches, |batch| &batch.slots);
+    let lights = rows(device, batches, |batch| &batch.lights);
+    let values = rows(device, batches, |batch| &batch.values);
+    let results = Buffer::<f32>::zeros(device, "results", all.results).unwrap();
+    let status = Buffer::<u32>::zeros(device, "status", kernel.n_status()).unwrap();
     let mut commands = Commands::new();
     let inputs = [groups.bind(), grids.bind(), slots.bind(), lights.bind(), values.bind()];
     let buffers: Vec<_> = inputs.into_iter().chain([results.bind(), status.bind()]).collect();
-    commands.dispatch(device, &compiled, &buffers, &[], Work::Groups(batch.groups.len() as u32));
+    commands.dispatch(device, &compiled, &buffers, &[], Work::Groups(all.groups as u32));
     commands.submit(device).unwrap();
-    (results.read(device, batch.n_results()).unwrap(), status.read(device, batch.n_status()).unwrap())
+    (results.read(device, all.results).unwrap(), status.read(device, kernel.n_status()).unwrap())
 }
 
 /// Compare a shader's kernel with the grid machine; an error if it has none, none without an adapter.
@@ -127,18 +140,24 @@ pub fn compare_grids(
     world: &World,
 ) -> Result<Option<Found>, Refused> {
     let kernel = Kernel::new(shader, &world.lights, host(world))?;
-    let mut batch = Batch::new(&kernel, &world.lights, world)?;
+    // Each in a batch of its own: several batches are shaded in one dispatch.
+    let (mut batches, mut before) = (vec![], Extent::default());
     for grid in &grids {
+        let mut batch = Batch::new(&kernel, &world.lights, world)?;
         batch.add(shader, slots, grid, world)?;
+        batch.stand_behind(before);
+        before += batch.extent();
+        batches.push(batch);
     }
     let Some(bench) = bench() else { return Ok(None) };
-    let (results, status) = run(bench, &kernel, &batch);
-    let mut found = Found { difference: 0.0, place: String::new(), numbers: [0; 2], faults: batch.faults(&status) };
+    let (results, status) = run(bench, &kernel, &batches);
+    let mut found = Found { difference: 0.0, place: String::new(), numbers: [0; 2], faults: kernel.faults(&status) };
     for (k, grid) in grids.into_iter().enumerate() {
         let (mut cpu, mut device) = (grid.clone(), grid);
         let mut machine = Machine::new();
         machine.run_with(shader, slots, &mut cpu, world);
-        batch.take(k, &results, &mut device);
+        let batch = &batches[k];
+        batch.take(0, &results, &mut device);
         let n = cpu.n();
         for global in Global::all() {
             // L and Cl are left as the last light sets them.
@@ -149,7 +168,7 @@ pub fn compare_grids(
             }
         }
         for param in shader.program.params.iter().filter(|p| p.output && p.array.is_none()) {
-            if let (Some(a), Some(b)) = (machine.output(shader, &param.name), batch.output(k, &param.name, &results)) {
+            if let (Some(a), Some(b)) = (machine.output(shader, &param.name), batch.output(0, &param.name, &results)) {
                 found.differ(&format!("grid {k}, {}", param.name), a, b, n);
             }
         }

@@ -2,9 +2,10 @@
 
 use crate::gprim::grid::{Grid, Sink, Subject};
 use crate::gprim::sphere::lattice::{LatticeSphere, TILE, eye_in_lattice, fill, start};
-use crate::gprim::sphere::tile::{self, CapTile, eighth};
+use crate::gprim::sphere::tile::{self, CapSphere, CapTile, eighth};
 use crate::scene::motion::Instant;
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Memory of dicing a sphere, kept from sphere to sphere.
 #[derive(Default)]
@@ -100,6 +101,7 @@ impl Cap {
         sphere.linear *= 1.0 / (1.0 - delta * delta / 6.0).sqrt();
         let tiles = (2 * half).div_ceil(TILE);
         let range = |k: usize| [k * 2 * half / tiles, (k + 1) * 2 * half / tiles];
+        let mut alike = None;
         for tile in 0..tiles * tiles {
             let (i, j) = (range(tile % tiles), range(tile / tiles));
             let (middle, spread) = self.around(&mut scratch.disk, i, j);
@@ -115,7 +117,8 @@ impl Cap {
             grid.tile = Some([CAP, i[0], i[1], j[0], j[1]].map(|k| k as u32));
             if !self.apron && sink.takes_caps(self.rings.len()) {
                 start(subject, &sphere, [i, j].map(|[lo, hi]| hi - lo + 1), grid);
-                sink.take_cap(self.tile(subject, &sphere, [i[0], j[0]]), grid);
+                let sphere = alike.get_or_insert_with(|| Arc::new(self.alike(subject, &sphere))).clone();
+                sink.take_cap(CapTile { sphere, first: [i[0], j[0]].map(|k| k as i32 - half as i32) }, grid);
                 continue;
             }
             self.dice_tile(subject, &sphere, i, j, scratch, grid);
@@ -123,17 +126,15 @@ impl Cap {
         }
     }
 
-    /// The tile from a column and a row on.
-    fn tile(&self, subject: &Subject<'_>, sphere: &LatticeSphere, first: [usize; 2]) -> CapTile {
-        let half = self.half() as i32;
-        CapTile {
+    /// What its tiles have alike.
+    fn alike(&self, subject: &Subject<'_>, sphere: &LatticeSphere) -> CapSphere {
+        CapSphere {
             center: sphere.center,
             linear: sphere.linear,
             normals: sphere.normals,
             axes: self.axes,
             rings: self.rings.clone(),
             outline: self.outline,
-            first: first.map(|k| k as i32 - half),
             outward: if subject.view.attributes.reversed { -1.0 } else { 1.0 },
         }
     }

@@ -1,13 +1,14 @@
 //! A tile of the half of a sphere that the eye sees, by what its points follow from: a device makes them of it, to the bit as the processor.
 
 use glam::{Mat3, Vec3};
+use std::sync::Arc;
 
 /// The most rings of a tile that a device dices.
 pub const MOST_RINGS: usize = 256;
 
-/// A tile of a sphere's cap.
-#[derive(Clone, Debug)]
-pub struct CapTile {
+/// What the tiles of a sphere's cap have alike.
+#[derive(Debug)]
+pub struct CapSphere {
     /// The middle of the sphere, world.
     pub center: Vec3,
     /// Lattice directions to world, the radius in it, and to world normals.
@@ -19,19 +20,26 @@ pub struct CapTile {
     pub rings: Vec<[f32; 2]>,
     /// The ring of the outline, and the angle of its normals and of those beyond.
     pub outline: (usize, [f32; 2]),
-    /// Column and row of the first point, from the middle.
-    pub first: [i32; 2],
     /// 1, or −1 where normals point into the sphere.
     pub outward: f32,
+}
+
+/// A tile of a sphere's cap.
+#[derive(Clone, Debug)]
+pub struct CapTile {
+    pub sphere: Arc<CapSphere>,
+    /// Column and row of the first point, from the middle.
+    pub first: [i32; 2],
 }
 
 impl CapTile {
     /// The place of a point, by rows of `nu`, in the world.
     pub fn place(&self, nu: usize, point: usize) -> Vec3 {
         let (a, b) = (self.first[0] + (point % nu) as i32, self.first[1] + (point / nu) as i32);
-        let ([x, y], [to_eye, across, up]) = (direction(a, b, eighth), self.axes);
-        let [cos, sin] = self.rings[a.abs().max(b.abs()) as usize];
-        self.center + self.linear * (to_eye * cos + (across * x + up * y) * sin)
+        let CapSphere { center, linear, axes: [to_eye, across, up], rings, .. } = &*self.sphere;
+        let [x, y] = direction(a, b, eighth);
+        let [cos, sin] = rings[a.abs().max(b.abs()) as usize];
+        *center + *linear * (*to_eye * cos + (*across * x + *up * y) * sin)
     }
 }
 

@@ -51,6 +51,34 @@ impl Kernel {
 /// A slot without values.
 const NONE: Row = [0, 0];
 
+/// How much some batches of a kernel have together, or what stands before a batch in their buffers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Extent {
+    /// Rows of [`Batch::groups`].
+    pub groups: usize,
+    /// Rows of [`Batch::grids`].
+    pub grids: usize,
+    /// Rows of [`Batch::slots`].
+    pub slots: usize,
+    /// Rows of [`Batch::lights`].
+    pub lights: usize,
+    /// Numbers of all inputs, those that are filled included.
+    pub values: usize,
+    /// Numbers that the kernel writes.
+    pub results: usize,
+}
+
+impl std::ops::AddAssign for Extent {
+    fn add_assign(&mut self, o: Extent) {
+        self.groups += o.groups;
+        self.grids += o.grids;
+        self.slots += o.slots;
+        self.lights += o.lights;
+        self.values += o.values;
+        self.results += o.results;
+    }
+}
+
 /// Grids to be shaded by a kernel: the rows of its input buffers, in the order of their bindings.
 pub struct Batch<'k> {
     kernel: &'k Kernel,
@@ -68,6 +96,8 @@ pub struct Batch<'k> {
     /// Slots whose numbers the host's kernels fill, and count of these.
     filled: Vec<u32>,
     n_filled: usize,
+    /// What stands before it in the buffers of a dispatch.
+    before: Extent,
 }
 
 impl<'k> Batch<'k> {
@@ -79,7 +109,9 @@ impl<'k> Batch<'k> {
     pub fn new(kernel: &'k Kernel, lights: &[Arc<BoundShader>], scene: &dyn Scene) -> Result<Batch<'k>, Refused> {
         let (groups, grids, slots, rows, values) = (vec![], vec![], vec![], vec![], vec![0.0]);
         let (n_results, filled, n_filled) = (0, vec![], 0);
-        let mut batch = Batch { kernel, groups, grids, slots, lights: rows, values, n_results, filled, n_filled };
+        let before = Extent::default();
+        let mut batch =
+            Batch { kernel, groups, grids, slots, lights: rows, values, n_results, filled, n_filled, before };
         let asked = if kernel.of_light.is_empty() { &[] } else { lights };
         assert_eq!(asked.len(), kernel.of_light.len(), "lights of another kernel");
         for (k, (light, index)) in asked.iter().zip(&kernel.of_light).enumerate() {
@@ -182,14 +214,48 @@ impl<'k> Batch<'k> {
         self.values.len() + self.n_filled
     }
 
-    /// Where the values of a global at the points of a grid begin in [`Batch::values`], if it has one a point.
+    /// How much it has of each.
+    pub fn extent(&self) -> Extent {
+        Extent {
+            groups: self.groups.len(),
+            grids: self.grids.len(),
+            slots: self.slots.len(),
+            lights: self.lights.len(),
+            values: self.n_values(),
+            results: self.n_results,
+        }
+    }
+
+    /// What stands before it in the buffers of a dispatch.
+    pub fn before(&self) -> Extent {
+        self.before
+    }
+
+    /// Stand behind other batches of its kernel in the buffers of one dispatch, which then shades the grids of all; when all grids are added,
+    /// and what is filled has its place.
+    pub fn stand_behind(&mut self, before: Extent) {
+        assert!(self.before == Extent::default() && self.filled.is_empty(), "a batch is placed once, and last");
+        let Extent { grids, slots, lights, values, results, .. } = before;
+        let [grids, slots, lights, values, results] = [grids / 3, slots, lights, values, results].map(|n| n as u32);
+        self.groups.iter_mut().for_each(|[grid, _]| *grid += grids);
+        for [head, more, last] in self.grids.as_chunks_mut().0 {
+            head[3] += slots;
+            (more[0], more[2], more[3]) = (more[0] + lights, more[2] + results, more[3] + values);
+            last[0] += if last[0] > 0 { values } else { 0 };
+        }
+        self.slots.iter_mut().filter(|[_, kind]| *kind > 0).for_each(|[first, _]| *first += values);
+        self.lights.iter_mut().for_each(|light| light[1] += slots);
+        self.before = before;
+    }
+
+    /// Where the values of a global at the points of a grid begin among those of a dispatch, if it has one a point.
     pub fn start_of(&self, grid: usize, global: Global) -> Option<usize> {
         let [n, .., slots] = self.grids[3 * grid];
-        let [first, kind] = self.slots[slots as usize + global.slot()];
+        let [first, kind] = self.slots[slots as usize - self.before.slots + global.slot()];
         (kind == 2 || kind == 1 && n == 1).then_some(first as usize)
     }
 
-    /// Where the results of a grid begin; those of an [`Output`](super::Output) stand `offset` times its count of points later.
+    /// Where the results of a grid begin among those of a dispatch; those of an [`Output`](super::Output) stand `offset` times its count of points later.
     pub fn results_of(&self, grid: usize) -> usize {
         self.grids[3 * grid + 1][2] as usize
     }
@@ -243,10 +309,16 @@ impl<'k> Batch<'k> {
         points: &Points,
         (scene, filled): (&dyn Scene, &[Global]),
     ) -> Result<(), Refused> {
+        /// Globals that kernels read besides those of their shaders: what lights are asked for.
+        const ALWAYS: [Global; 3] = [Global::P, Global::N, Global::I];
         let n = points.n();
         let first = self.n_filled;
         for global in Global::all() {
             let width = global.kind().width();
+            if !ALWAYS.contains(&global) && bound.program.global(global).is_none() {
+                self.slots.push(NONE);
+                continue;
+            }
             if let Some(k) = filled.iter().position(|own| *own == global) {
                 let before: usize = filled[..k].iter().map(|own| own.kind().width()).sum();
                 self.filled.push(self.slots.len() as u32);
@@ -278,7 +350,8 @@ impl<'k> Batch<'k> {
 
     /// What the points stand for: 1 more than where that begins among the values, 0 if they stand for their micropolygons.
     fn footprints(&mut self, points: &Points) -> u32 {
-        if points.footprints.is_empty() {
+        // Kernels that do not look at neighbours read none.
+        if points.footprints.is_empty() || !self.kernel.grid {
             return 0;
         }
         let first = self.values.len() as u32 + 1;

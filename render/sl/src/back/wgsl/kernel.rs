@@ -8,7 +8,7 @@ use super::writer::Writer;
 use crate::ir::builtins::{How, SceneCall};
 use crate::ir::walk::writes_besides;
 use crate::ir::{Ask, Global, Lookup, Op, Operand, Parameter, Program, Reg, ShaderKind, visit};
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 use std::sync::Arc;
 
 /// What a value that a shader gives is.
@@ -448,12 +448,14 @@ fn assemble(module: &Module<'_>, shader: &BoundShader, functions: &str, group: u
 fn with_parts(mut text: String) -> String {
     let mut items: Vec<(&str, &str)> =
         PARTS.iter().flat_map(|part| part.split("\n\n")).filter_map(|item| Some((defined(item)?, item))).collect();
+    let mut mentioned: HashSet<String> = words(&text).map(String::from).collect();
     loop {
         let before = items.len();
         items.retain(|(name, item)| {
-            let wanted = mentions(&text, name);
+            let wanted = mentioned.contains(*name);
             if wanted {
                 text += &format!("\n{}\n", item.trim_end());
+                mentioned.extend(words(item).map(String::from));
             }
             !wanted
         });
@@ -469,9 +471,7 @@ fn defined(item: &str) -> Option<&str> {
     line.split(['(', ':']).next()
 }
 
-/// Whether a text has a name as a whole word.
-fn mentions(text: &str, name: &str) -> bool {
-    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
-    text.match_indices(name)
-        .any(|(at, _)| !text[..at].ends_with(is_word) && !text[at + name.len()..].starts_with(is_word))
+/// The words of a text.
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).filter(|word| !word.is_empty())
 }
