@@ -234,6 +234,13 @@ duration: 0.05
     for line in ["step: 0.002", "method: apgd", "tolerance: 0.00001", "friction: relaxed"] {
         assert!(given.contains(line), "{line}: {given}");
     }
+    // What is chosen beside a step that is given is of that step.
+    let given_step = resolved("quality: normal\nstep: 0.005\n", &[]);
+    for (key, expected) in [("envelope", 15.0 * 9.81 * 0.005f64.powi(2)), ("rest_speed", 2e-3 * 9.81 * 0.005)] {
+        let value = given_step.lines().find_map(|line| line.trim().strip_prefix(&format!("{key}: "))).unwrap();
+        assert!((value.parse::<f64>().unwrap() / expected - 1.0).abs() < 1e-9, "{key}: {value}, expected {expected}");
+    }
+    let given = resolved("quality: tight\nstep: 0.002\nsolver: {method: apgd, tolerance: 1.0e-5}\n", &[]);
     // The model that a run leaves gives all, and so is the same again.
     let again = work.path().join("run/model.yaml");
     std::fs::copy(&again, place("again.yaml")).unwrap();

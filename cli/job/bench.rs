@@ -117,7 +117,7 @@ fn spheres(args: &BenchSimArgs, workload: Workload, cpu_before: f64) -> Outcome<
     let solver = if sweeps_more { workload::sweeping_more(workload, solver) } else { solver };
     let (mut model, state) = workload::build(workload, n, solver, args.step.unwrap_or(1.5e-3));
     if let Some(quality) = quality {
-        let (step, solver) = quality.settings(&model, &state);
+        let (step, solver) = quality.settings(&model, &state, None);
         model.step = args.step.unwrap_or(step);
         model.solver = SolverSettings { envelope: model.solver.envelope, ..solver };
     }

@@ -177,12 +177,13 @@ impl Scale {
 }
 
 impl Quality {
-    /// The step, s, and the settings of the solver that the level chooses for a model and its initial state.
-    pub fn settings(self, model: &Model, state: &State) -> (f64, SolverSettings) {
+    /// The step, s, and the settings of the solver that the level chooses for a model and its initial state; for a `given` step, s, if there is one.
+    pub fn settings(self, model: &Model, state: &State, given: Option<f64>) -> (f64, SolverSettings) {
         let Scale { kind, radius, gravity, speed } = Scale::of(model, state);
         let choice = Choice::of(self, kind);
         let by_speed = if speed > 0.0 { way(self) * radius / speed } else { f64::INFINITY };
-        let step = (choice.step * (radius / gravity).sqrt()).min(choice.longest).min(by_speed);
+        let chosen = (choice.step * (radius / gravity).sqrt()).min(choice.longest).min(by_speed);
+        let step = given.unwrap_or(chosen);
         let open = SolverSettings::default();
         let fall = gravity * step * step;
         let solver = SolverSettings {
@@ -202,7 +203,7 @@ impl Quality {
             ..open
         };
         // A whole number of steps a second.
-        (1.0 / (1.0 / step).ceil(), solver)
+        (given.unwrap_or(1.0 / (1.0 / step).ceil()), solver)
     }
 }
 
@@ -214,7 +215,8 @@ impl ModelFile {
     pub fn choose(&mut self, doc: &Document) -> Result<(), Fault> {
         let Some(quality) = self.quality else { return Ok(()) };
         let (resolved, _) = self.build(doc)?;
-        let (step, chosen) = quality.settings(&resolved.model, &resolved.state);
+        let given = doc.has("step").then_some(self.step);
+        let (step, chosen) = quality.settings(&resolved.model, &resolved.state, given);
         let is_open = |key: &str| !doc.has(key);
         let own = &mut self.solver;
         // What belongs to a method is that of the method that is given.
@@ -237,18 +239,7 @@ impl ModelFile {
             };
         }
         fill!(friction, start_iterations, tolerance, recovery_speed, rest_gap, rest_speed, envelope, recycle);
-        if is_open("step") {
-            self.step = step;
-        } else {
-            // Shares of what a step of the given size adds.
-            let by = self.step / step;
-            if is_open("solver.rest_speed") {
-                self.solver.rest_speed *= by;
-            }
-            if is_open("solver.settling_tolerance") {
-                self.solver.settling_tolerance = self.solver.settling_tolerance.map(|tolerance| tolerance * by);
-            }
-        }
+        self.step = step;
         Ok(())
     }
 }

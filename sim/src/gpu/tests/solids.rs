@@ -524,7 +524,7 @@ fn what_is_slow_is_swept_on_as_on_the_cpu() {
         body.position = [0.006 * f64::from(k % 3), 0.004 * f64::from(k % 2), 0.08 + 0.155 * f64::from(k)];
     }
     let sim = builder.simulation().unwrap();
-    let (quality_step, mut quality) = crate::settings::Quality::Normal.settings(&sim.model, &sim.state);
+    let (quality_step, mut quality) = crate::settings::Quality::Normal.settings(&sim.model, &sim.state, None);
     let swept = quality.settling_tolerance.take();
     quality.start_iterations = None;
     let run = |settling_tolerance: Option<f64>, is_own: bool, n: u32, speed: f64| {
