@@ -240,6 +240,8 @@ duration: 0.05
         let value = given_step.lines().find_map(|line| line.trim().strip_prefix(&format!("{key}: "))).unwrap();
         assert!((value.parse::<f64>().unwrap() / expected - 1.0).abs() < 1e-9, "{key}: {value}, expected {expected}");
     }
+    // Where nothing falls, nothing settles.
+    assert!(!resolved("quality: normal\ngravity: [0, 0, 0]\n", &[]).contains("settling"));
     let given = resolved("quality: tight\nstep: 0.002\nsolver: {method: apgd, tolerance: 1.0e-5}\n", &[]);
     // The model that a run leaves gives all, and so is the same again.
     let again = work.path().join("run/model.yaml");

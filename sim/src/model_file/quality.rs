@@ -192,7 +192,8 @@ impl Quality {
             iterations: choice.iterations,
             start_iterations: choice.start_iterations,
             overlap_tolerance: choice.overlap.map(|overlap| overlap * radius),
-            settling_tolerance: choice.settles.then_some(SETTLES * model.gravity.length() * step),
+            settling_tolerance: Some(SETTLES * model.gravity.length() * step)
+                .filter(|most| choice.settles && *most > 0.0),
             tolerance: choice.tolerance,
             omega: choice.omega,
             recovery_speed: choice.recovery.map_or(open.recovery_speed, |share| share * (gravity * radius).sqrt()),
