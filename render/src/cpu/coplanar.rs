@@ -22,7 +22,7 @@ use std::collections::HashMap;
 use std::ops::ControlFlow;
 
 /// The most that lie over each other and are told apart.
-const MOST_STEPS: u32 = 64;
+const MOST_STEPS: u32 = 2;
 
 /// Of those that cover one, how many are looked at.
 const MOST_COVERING: usize = 256;
