@@ -6,7 +6,7 @@
 // in    params   [3]         n_bodies; as bits the tolerance (m/s); whether the solve is at its end
 // Twin: cpu/solve/iterates.rs
 #import scalars
-#import partial
+#import parts_total
 
 @group(0) @binding(0) var<storage, read> parts: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read_write> scalars: array<Scalars>;
@@ -18,13 +18,8 @@
 fn main(@builtin(local_invocation_index) thread: u32) {
     // Once the solve has ended, nothing is checked until all is.
     let is_due = work[2].x > 0u || params[2] == 1u;
-    var sums = vec4(0.0);
     let n_parts = select(0u, groups_of(count[0]), is_due);
-    for (var i = thread; i < n_parts; i += 1024u) {
-        let first = parts[i] + below(parts[min(i + 256u, n_parts - 1u)], i + 256u, n_parts);
-        sums += first + (below(parts[min(i + 512u, n_parts - 1u)], i + 512u, n_parts) + below(parts[min(i + 768u, n_parts - 1u)], i + 768u, n_parts));
-    }
-    sums = group_total(thread, sums);
+    let sums = parts_total(thread, n_parts);
     if thread != 0u {
         return;
     }

@@ -19,7 +19,7 @@
 #import body_spin
 #import body_response
 #import scalars
-#import partial
+#import parts_total
 
 @group(0) @binding(0) var<storage, read> spin: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read> gamma: array<vec4<f32>>;
@@ -42,13 +42,8 @@ const KNOWN: f32 = 1e-10;
 
 fn decide(thread: u32) {
     let is_active = scalars[0].goes_on == 1u;
-    var sums = vec4(0.0);
     let n_parts = select(0u, groups_of(count[0]), is_active);
-    for (var i = thread; i < n_parts; i += 1024u) {
-        let first = parts[i] + below(parts[min(i + 256u, n_parts - 1u)], i + 256u, n_parts);
-        sums += first + (below(parts[min(i + 512u, n_parts - 1u)], i + 512u, n_parts) + below(parts[min(i + 768u, n_parts - 1u)], i + 768u, n_parts));
-    }
-    sums = group_total(thread, sums);
+    let sums = parts_total(thread, n_parts);
     if thread != 0u {
         return;
     }

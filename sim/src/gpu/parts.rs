@@ -32,6 +32,8 @@ const PARTS: &[Part<'static>] = parts!(
     "body_response",
     "joint_solve",
     "partial",
+    "parts_total",
+    "both_totals",
     "turn",
     "contact_hash",
     "scalars",

@@ -3,7 +3,7 @@
 // inout scalars  [1]
 // in    count    [1]         n_contacts
 #import scalars
-#import partial
+#import parts_total
 
 @group(0) @binding(0) var<storage, read> parts: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read_write> scalars: array<Scalars>;
@@ -11,13 +11,8 @@
 
 @compute @workgroup_size(256)
 fn main(@builtin(local_invocation_index) thread: u32) {
-    var sums = vec4(0.0);
     let n_parts = groups_of(count[0]);
-    for (var i = thread; i < n_parts; i += 1024u) {
-        let first = parts[i] + below(parts[min(i + 256u, n_parts - 1u)], i + 256u, n_parts);
-        sums += first + (below(parts[min(i + 512u, n_parts - 1u)], i + 512u, n_parts) + below(parts[min(i + 768u, n_parts - 1u)], i + 768u, n_parts));
-    }
-    sums = group_total(thread, sums);
+    let sums = parts_total(thread, n_parts);
     if thread == 0u {
         scalars[0].residual = sqrt(sums.x) / f32(max(blocks_of(count[0]), 1u));
     }

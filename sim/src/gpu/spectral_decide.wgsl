@@ -7,7 +7,7 @@
 // in    params      [1]         n_bodies
 // Twin: cpu/solve/barzilai_borwein.rs
 #import scalars
-#import partial
+#import both_totals
 
 @group(0) @binding(0) var<storage, read> of_contacts: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read> of_bodies: array<vec4<f32>>;
@@ -19,20 +19,10 @@
 @compute @workgroup_size(256)
 fn main(@builtin(local_invocation_index) thread: u32) {
     let is_active = scalars[0].goes_on == 1u;
-    var contacts = vec4(0.0);
     let n_of_contacts = select(0u, groups_of(count[0]), is_active);
-    for (var i = thread; i < n_of_contacts; i += 1024u) {
-        let first = of_contacts[i] + below(of_contacts[min(i + 256u, n_of_contacts - 1u)], i + 256u, n_of_contacts);
-        contacts += first + (below(of_contacts[min(i + 512u, n_of_contacts - 1u)], i + 512u, n_of_contacts) + below(of_contacts[min(i + 768u, n_of_contacts - 1u)], i + 768u, n_of_contacts));
-    }
-    contacts = group_total(thread, contacts);
-    var bodies = vec4(0.0);
+    let contacts = contacts_total(thread, n_of_contacts);
     let n_of_bodies = select(0u, groups_of(params[0]), is_active);
-    for (var i = thread; i < n_of_bodies; i += 1024u) {
-        let first = of_bodies[i] + below(of_bodies[min(i + 256u, n_of_bodies - 1u)], i + 256u, n_of_bodies);
-        bodies += first + (below(of_bodies[min(i + 512u, n_of_bodies - 1u)], i + 512u, n_of_bodies) + below(of_bodies[min(i + 768u, n_of_bodies - 1u)], i + 768u, n_of_bodies));
-    }
-    bodies = group_total(thread, bodies);
+    let bodies = bodies_total(thread, n_of_bodies);
     if thread != 0u {
         return;
     }
