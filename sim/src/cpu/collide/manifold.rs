@@ -160,20 +160,16 @@ fn side_by_side(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis) -> Option<O
     }
     // Along the normal a cylinder that leans reaches less far than the capsule.
     let gap = nearest.gap.max(convex::separation(a, b, nearest.normal));
-    let aside = (Axis { apart: gap, ..own }, Nearest { gap, ..nearest });
-    if gap >= 0.0 {
-        *axis = aside.0;
-        return Some((gap <= reach).then_some(aside.1));
-    }
     // An overlap may be less along an axis or a direction in between.
-    let nearest = convex::nearest(a, b, reach, axis);
-    let Some(nearest) =
-        nearest.filter(|nearest| nearest.gap > gap + LESS * a.size.min_element().min(b.size.min_element()))
-    else {
-        *axis = aside.0;
-        return Some(Some(aside.1));
-    };
-    Some(Some(nearest))
+    if gap < 0.0 {
+        let elsewhere = convex::nearest(a, b, reach, axis);
+        let least = gap + LESS * a.size.min_element().min(b.size.min_element());
+        if elsewhere.is_some_and(|elsewhere| elsewhere.gap > least) {
+            return Some(elsewhere);
+        }
+    }
+    *axis = Axis { apart: gap, ..own };
+    Some((gap <= reach).then_some(Nearest { gap, ..nearest }))
 }
 
 /// The manifold of two features with given nearest points: the corners of the clipped features within `reach`, m, and the nearest
