@@ -181,6 +181,40 @@ fn a_deep_pile_of_boxes_comes_to_rest() {
 }
 
 #[test]
+fn columns_that_fall_on_each_other_come_to_rest() {
+    // Columns of boxes that begin with gaps between them, each one alone: by sweeps half of those of ten go on swaying at centimetres a second.
+    for (n, gap, size, friction) in
+        [(8, 1e-3, 0.1, "relaxed"), (10, 2e-4, 0.1, "relaxed"), (10, 0.03, 0.2, "relaxed"), (15, 5e-3, 0.2, "exact")]
+    {
+        let body = |k: usize| {
+            let height = gap * (k + 1) as f64 + size * (k as f64 + 0.5);
+            format!(
+                "  - {{name: b{k}, material: m, box: {{size: [{size}, {size}, {size}]}}, position: [0, 0, {height}]}}\n"
+            )
+        };
+        let mut sim = simulation(&format!(
+            "quality: normal
+solver: {{friction: {friction}}}
+materials: {{m: {{density: 1000, friction: 0.5}}}}
+bodies:
+  - {{name: ground, material: m, plane: {{normal: [0, 0, 1]}}}}
+{}",
+            (0..n).map(body).collect::<String>()
+        ));
+        while sim.state.time < 5.0 {
+            sim.step();
+        }
+        let top = sim.state.position[n];
+        assert!(
+            (top.z - (n as f64 - 0.5) * size).abs() < 0.02 * size,
+            "{n} boxes of {size} m: the top one is at {top}"
+        );
+        let (speed, error) = unrest(&sim);
+        assert!(speed < 5e-5 && error < 0.01, "{n} boxes of {size} m, {gap} m apart: {speed} m/s, {error}");
+    }
+}
+
+#[test]
 fn a_run_on_a_bed_at_rest_starts_at_rest() {
     let work = scratch();
     let at = |name: &str| work.path().join(name).to_str().unwrap().to_string();

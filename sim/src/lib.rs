@@ -21,6 +21,7 @@ mod builder;
 pub mod checkpoint;
 mod contacts;
 mod cpu;
+mod disjoint_sets;
 mod farthest;
 mod fill;
 pub mod geometry;

@@ -13,7 +13,6 @@ mod components;
 mod continuation;
 mod dense;
 mod direct;
-mod lorentz;
 mod matrix;
 mod newton;
 mod path;

@@ -94,7 +94,7 @@ pub struct SolverSettings {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub overlap_tolerance: Option<f64>,
     /// Residual of the contacts of slow bodies of any shape, in the root mean square over a tile of them, m/s: sweeps of Gauss–Seidel over it go on beyond
-    /// `iterations`, up to four times as many, while it is greater, so that what stands comes to rest; if not given, they do not.
+    /// `iterations`, up to four times as many, while it is greater, and on the processor islands of them that still have a tenth of it are then solved as a whole, so that what stands comes to rest; if not given, they do not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub settling_tolerance: Option<f64>,
     /// Maximum number of iterations, of `apgd`, of a step in which no contact has an impulse to start from, as the first one of a model

@@ -11,6 +11,7 @@
 //! What would wake an island is what belongs to it (`touches`), so that neighbours do not wake each other in turn.
 
 use crate::contacts::Contacts;
+use crate::disjoint_sets::DisjointSets;
 use crate::inertia::gyration;
 use crate::joint::Joint;
 use crate::load::Function;
@@ -114,7 +115,7 @@ pub fn fall_asleep(model: &Model, state: &mut State, speed: f64) -> bool {
 fn still_islands(model: &Model, state: &State, is_still: impl Fn(usize) -> bool) -> Vec<(u32, u32)> {
     let start = state.time;
     let bodies = || (0..model.n_bodies() as u32).filter(|b| state.moves(*b as usize));
-    let mut islands = Islands((0..model.n_bodies() as u32).collect());
+    let mut islands = DisjointSets::new(model.n_bodies());
     let mut connect = |bodies: [u32; 2]| {
         if bodies.iter().all(|b| state.moves(*b as usize)) {
             islands.join(bodies);
@@ -184,24 +185,4 @@ fn driven<'a>(model: &'a Model, state: &State) -> impl Iterator<Item = u32> + us
     let springs = model.springs.iter().filter(move |s| s.acts(start) && varies(&s.preload));
     let loads = model.loads.iter().filter(move |l| l.acts(middle)).map(|l| l.body);
     joints.flat_map(|j| j.bodies).chain(springs.flat_map(|s| s.bodies)).chain(loads)
-}
-
-/// Disjoint sets of bodies: of each body another one of its set with a lower id, or itself.
-struct Islands(Vec<u32>);
-
-impl Islands {
-    /// The lowest id of a body's set.
-    fn of(&mut self, mut b: u32) -> u32 {
-        while self.0[b as usize] != b {
-            let next = self.0[b as usize];
-            self.0[b as usize] = self.0[next as usize];
-            b = next;
-        }
-        b
-    }
-
-    fn join(&mut self, bodies: [u32; 2]) {
-        let [a, b] = bodies.map(|b| self.of(b));
-        self.0[a.max(b) as usize] = a.min(b);
-    }
 }

@@ -3,32 +3,23 @@
 //! Each part is a problem of its own. A factorisation has n³ operations, so that the parts cost far less than the whole.
 
 use super::matrix::MatrixOperator;
+use crate::disjoint_sets::DisjointSets;
 use glam::DMat3;
 
 /// The contacts of each part, ascending; parts with fewer contacts first, and of as many in the order of their first contacts.
 pub fn split(op: &MatrixOperator) -> Vec<Vec<usize>> {
     let n = op.q.len();
-    let mut parent: Vec<usize> = (0..n).collect();
+    let mut sets = DisjointSets::new(n);
     for i in 0..n {
         for (j, _) in op.blocks(i).filter(|(_, block)| *block != DMat3::ZERO) {
-            let (a, b) = (root(&mut parent, i), root(&mut parent, j));
-            parent[a.max(b)] = a.min(b);
+            sets.join([i as u32, j as u32]);
         }
     }
     let mut parts: Vec<Vec<usize>> = vec![vec![]; n];
-    (0..n).for_each(|i| parts[root(&mut parent, i)].push(i));
+    (0..n).for_each(|i| parts[sets.of(i as u32) as usize].push(i));
     parts.retain(|part| !part.is_empty());
     parts.sort_by_key(Vec::len);
     parts
-}
-
-/// The first contact of a part, by way of the parents; the way becomes shorter.
-fn root(parent: &mut [usize], mut i: usize) -> usize {
-    while parent[i] != i {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
-    }
-    i
 }
 
 /// The problem of some contacts, ascending, that blocks do not couple to others.

@@ -13,9 +13,9 @@
 //! end, Newton's method on the law itself takes over.
 
 use super::dense::Lu;
-use super::lorentz::{Scaling, longest, product, quotient};
 use super::matrix::MatrixOperator;
 use super::newton;
+use crate::cpu::solve::lorentz::{Scaling, longest, product, quotient};
 use crate::cpu::solve::operator::Operator;
 use glam::{DMat3, DVec3};
 

@@ -125,6 +125,11 @@ impl Blocks {
         first.push(contacts.len() as u32);
     }
 
+    /// Number of the blocks that are manifolds.
+    pub fn n_manifolds(&self) -> u32 {
+        self.first.len().saturating_sub(1) as u32
+    }
+
     /// The contacts of a block.
     #[inline]
     pub fn contacts(&self, block: u32) -> Range<usize> {

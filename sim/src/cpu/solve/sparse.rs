@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use supernodes::{Node, TILE};
 
-pub use order::order;
+pub use order::{dissection, order};
 pub use phases::Phases;
 pub use supernodes::Structure;
 

@@ -10,6 +10,7 @@
 use super::bodies::BodyOperator;
 use super::cells::Cells;
 use super::group::{self, Group, Grouped, Motion, act};
+use super::islands::{self, Slow};
 use super::manifold_group::ManifoldGroup;
 use super::operator::Operator;
 use super::response::Response;
@@ -25,6 +26,10 @@ use rayon::prelude::*;
 
 /// Root mean square of the residual terms at which single precision ends, over the maximum speed of a body.
 const COARSE: f64 = 1e-5;
+
+/// The residual from which on islands of slow bodies are solved as a whole, and the error that is left of them, over that to which they are swept:
+/// slow modes have far greater errors than residuals.
+const SETTLED: f64 = 0.1;
 
 /// Where sweeps end.
 struct Ends {
@@ -126,6 +131,7 @@ where
             settling: settling.filter(|_| matches!(op.contacts.arms, Arms::Any(_))),
         };
         let mut outcome = Outcome { iterations: 0, residual: f64::INFINITY };
+        let mut unsettled = vec![];
         if op.joints.rows.is_empty() {
             coarse.fill(op, at, gamma, is_exact);
             if let Some(factor) = excess(op, |b| coarse.motion[b].twist(), |b| op.free(b)) {
@@ -136,6 +142,7 @@ where
             let ends = Ends { tolerance: settings.tolerance.max(tolerance), ..ends };
             coarse.sweeps(settings, gamma.len(), &ends, &mut outcome, |_| ());
             coarse.unpack(at, op.contacts.len(), gamma);
+            unsettled = coarse.unsettled(at, &ends);
         } else if gamma.len() > settings.max_iterations(gamma.len()) as usize {
             op.response(&vec![DVec3::ZERO; gamma.len()], response);
             let free = std::mem::take(&mut response.twist);
@@ -158,8 +165,17 @@ where
             fine.sweeps(settings, gamma.len(), &ends, &mut outcome, solve_joints);
             fine.unpack(at, op.contacts.len(), gamma);
             fine.store(response);
+            unsettled = fine.unsettled(at, &ends);
         } else {
             op.response(gamma, response);
+        }
+        let can_be_solved = op.joints.rows.is_empty() && !op.plan.resists() && !unsettled.is_empty();
+        if let Some((residual, _)) = ends.settling.filter(|_| can_be_solved) {
+            let speeds = [settings.rest_speed, op.least_slip];
+            let slow = Slow { blocks: unsettled, all: at.0, error: SETTLED * residual, speeds, is_exact };
+            if islands::solve(op, &slow, gamma, &response.twist) {
+                op.response(gamma, response);
+            }
         }
         outcome
     }
@@ -356,6 +372,15 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
             solve_joints(self);
             left -= 1;
         }
+    }
+
+    /// The blocks of the tiles of slow bodies that the sweeps have left unsettled.
+    fn unsettled(&self, (_, tiled): (&Blocks, &Tiled), ends: &Ends) -> Vec<u32> {
+        let Some((residual, _)) = ends.settling else { return vec![] };
+        let which = Which::Unsettled(SETTLED * residual);
+        let tiles = self.tiles.iter().zip(&tiled.rounds).flat_map(|(tiles, blocks)| tiles.iter().zip(blocks));
+        let own = tiles.chain([(&self.shared, &tiled.shared)]).filter(|(tile, _)| which.has(tile));
+        own.flat_map(|(_, blocks)| blocks.colors().flatten().copied()).collect()
     }
 
     /// Find the tiles of slow bodies, which are no faster than a speed, m/s.

@@ -4,6 +4,7 @@
 use glam::{DMat3, DVec3};
 
 /// The scaling W of Nesterov and Todd of one contact: W z = W⁻¹ s.
+#[derive(Clone, Copy, Default)]
 pub struct Scaling {
     w: DVec3,
     beta: f64,
@@ -23,6 +24,11 @@ impl Scaling {
         boost(self.w, x) * self.beta
     }
 
+    /// W⁻¹ x.
+    pub fn apply_inverse(&self, x: DVec3) -> DVec3 {
+        boost(DVec3::new(self.w.x, -self.w.y, -self.w.z), x) / self.beta
+    }
+
     /// W².
     pub fn square(&self) -> DMat3 {
         let w = self.w;
@@ -40,7 +46,7 @@ fn boost(w: DVec3, x: DVec3) -> DVec3 {
 
 /// x_n² − |x_t|² of a vector in the cone.
 fn determinant(x: DVec3) -> f64 {
-    let t = x.y.hypot(x.z);
+    let t = (x.y * x.y + x.z * x.z).sqrt();
     ((x.x - t) * (x.x + t)).max(f64::MIN_POSITIVE)
 }
 
@@ -58,7 +64,7 @@ pub fn quotient(l: DVec3, u: DVec3) -> DVec3 {
 
 /// The largest t for which x + t d is in the cone.
 pub fn longest(x: DVec3, d: DVec3) -> f64 {
-    let length = d.y.hypot(d.z);
+    let length = (d.y * d.y + d.z * d.z).sqrt();
     let (a, b) = ((d.x - length) * (d.x + length), x.x * d.x - x.y * d.y - x.z * d.z);
     let c = determinant(x);
     let root = (b * b - a * c).max(0.0).sqrt();
@@ -87,6 +93,7 @@ mod tests {
             // W² z = s, and W² is W twice.
             assert!((w.square() * z - s).length() < 1e-9 * s.length(), "{z} {s}");
             assert!((w.apply(w.apply(x)) - w.square() * x).length() < 1e-9 * (w.square() * x).length(), "{z} {s}");
+            assert!((w.apply_inverse(w.apply(x)) - x).length() < 1e-6, "{z} {s}");
         }
     }
 
