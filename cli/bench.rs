@@ -5,14 +5,20 @@ mod render;
 mod sim;
 
 use crate::job::BenchJob;
-use crate::report::Outcome;
+use crate::report::{Exit, Failure, Outcome};
 
 /// Run `scree bench`.
 pub fn run(job: BenchJob) -> Outcome {
     match job {
         BenchJob::Sim(job, json) => print(&sim::measure(*job), json),
         BenchJob::Render(job, json) => print(&render::measure(&job)?, json),
-        BenchJob::Gpu(job, json) => print(&gpu::measure(&job)?, json),
+        BenchJob::Gpu(job, json) => {
+            let (result, is_whole) = gpu::measure(&job)?;
+            print(&result, json);
+            if !is_whole {
+                return Err(Failure::new(Exit::Interrupted, "interrupted: the result says what is left out"));
+            }
+        }
     }
     Ok(())
 }

@@ -138,6 +138,12 @@ pub struct BenchGpuArgs {
     /// Run small sizes, for software adapters.
     #[arg(long)]
     pub small: bool,
+    /// Time for all of it, s: what is expected to take longer is left out.
+    #[arg(long, value_name = "S", default_value_t = 460, value_parser = clap::value_parser!(u64).range(1..))]
+    pub seconds: u64,
+    /// File of the JSON so far, written whole after each row.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,

@@ -1,10 +1,12 @@
 //! `scree bench gpu`: copy bandwidth, primitives, collision stages and solvers of a graphics adapter, held against the copy bandwidth and
 //! the processor, and whole steps of spheres, of mixed convex shapes and of the tracked vehicle on a bed.
 
+mod budget;
 mod steps;
 
 use crate::job::GpuBench;
 use crate::report::{Exit, Failure, Outcome};
+use budget::{Budget, Report};
 use glam::DVec3;
 use gpu::compact::{Compact, compact_cpu};
 use gpu::radix_sort::{Key, RadixSort, sort_cpu};
@@ -18,7 +20,7 @@ use sim::gpu::contact_solve::ContactSolve;
 use sim::workload::{self, Workload};
 use sim::{Method, ShapeKind, Simulation, SolverSettings, SplitMix64};
 use std::collections::HashMap;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 use steps::Steps;
 
 /// Times that are measured, of which the median counts.
@@ -26,9 +28,6 @@ const REPEATS: usize = 5;
 
 /// Iterations of a solve.
 const ITERATIONS: u32 = 50;
-
-/// Time after which no more steps are measured: all of it, with the row that has begun, is over in eight minutes.
-const TIME: Duration = Duration::from_secs(390);
 
 /// The stage whose time counts.
 const STAGE: &str = "measured";
@@ -52,64 +51,61 @@ struct Measured {
     is_equal: bool,
 }
 
-/// Measure an adapter.
-pub fn measure(job: &GpuBench) -> Outcome<Value> {
+/// Measure an adapter. Returns the result, and whether the benchmark was not interrupted.
+pub fn measure(job: &GpuBench) -> Outcome<(Value, bool)> {
     run(job).map_err(|error| {
         let exit = if matches!(error, Fault::Gpu(GpuError::Choice { .. })) { Exit::Usage } else { Exit::Fault };
         Failure::new(exit, error.to_string())
     })
 }
 
-fn run(job: &GpuBench) -> Result<Value, Fault> {
-    let started = Instant::now();
+fn run(job: &GpuBench) -> Result<(Value, bool), Fault> {
+    let time = Budget::new(Instant::now() + job.time);
     let device = Device::open(&job.adapter)?;
     let kernels = Kernels::default();
     let copied = if job.small { 1 << 21 } else { 1 << 26 };
     let bandwidth = gpu::copy_bandwidth(&device, &kernels, copied, REPEATS)?;
-    let bench = Bench { device, kernels, bandwidth };
-    let sizes = if job.small { [10_000, 1_000_000] } else { [1_000_000, 16_000_000] };
-    let mut primitives = vec![];
-    for n in sizes {
-        let all = [scan(&bench, n)?, sort_u32(&bench, n)?, sort_u64(&bench, n)?, sum(&bench, n)?];
-        let rest = [segments(&bench, n)?, compact(&bench, n)?];
-        primitives.extend(all.iter().chain(&rest).map(|m| bench.report(m)));
-    }
-    let beds: &[usize] = if job.small { &[1_000, 10_000] } else { &[84_000, 1_000_000] };
-    let collision: Vec<Value> = beds.iter().map(|n| detection(&bench, *n)).collect::<Result<_, _>>()?;
-    let adapter = &bench.device.adapter;
-    let measure = Steps {
-        adapter: &job.adapter,
-        most_bytes: adapter.max_buffer.min(adapter.max_binding),
-        bandwidth,
-        until: started + TIME,
-        seconds: if job.small { 3.0 } else { 10.0 },
-    };
-    let steps = steps(&measure, job.small)?;
-    Ok(json!({
+    let adapter = &device.adapter;
+    let head = json!({
         "adapter": adapter.name, "driver": adapter.driver, "is_software": adapter.software,
         "timer": if adapter.features.contains(&"timestamps") { "timestamps" } else { "wall" },
         "copy_bytes_per_second": bandwidth,
-        "primitives": primitives, "collision": collision, "steps": steps,
-    }))
+    });
+    let most_bytes = adapter.max_buffer.min(adapter.max_binding);
+    let bench = Bench { device, kernels, bandwidth };
+    let mut result = Report::new(head, job.out.as_deref());
+    for n in if job.small { [10_000, 1_000_000] } else { [1_000_000, 16_000_000] } {
+        for (name, primitive) in PRIMITIVES {
+            let row = match time.left_out(name, n) {
+                Some(why) => json!({ "name": name, "n": n, "left_out": why }),
+                None => bench.report(&time.measure(name, n, || primitive(&bench, n))?),
+            };
+            result.add("primitives", row)?;
+        }
+    }
+    for n in if job.small { [1_000, 10_000] } else { [84_000, 1_000_000] } {
+        let row = match time.left_out("detection", n) {
+            Some(why) => json!({ "workload": "S", "n": n, "left_out": why }),
+            None => time.measure("detection", n, || detection(&bench, n))?,
+        };
+        result.add("collision", row)?;
+    }
+    let seconds = if job.small { 3.0 } else { 10.0 };
+    let measure = Steps { adapter: &job.adapter, most_bytes, bandwidth, time: &time, seconds };
+    measure.all(job.small, &mut |row| result.add("steps", row))?;
+    Ok((result.value, !time.is_interrupted()))
 }
 
-/// The rows of whole steps. Small ones, which the processor takes, too, come first, and the largest last.
-fn steps(measure: &Steps, is_small: bool) -> Result<Vec<Value>, Fault> {
-    let mut rows =
-        [measure.spheres(1_000)?, measure.anchor(1_000)?, measure.mixed(1_000)?, measure.vehicle(1_000)?].concat();
-    if is_small {
-        rows.extend(measure.spheres(10_000)?);
-        return Ok(rows);
-    }
-    rows.extend(measure.spheres(84_000)?);
-    rows.extend(measure.anchor(10_000)?);
-    rows.extend(measure.mixed(100_000)?);
-    rows.extend(measure.vehicle(100_000)?);
-    let large = measure.spheres(1_000_000)?;
-    let huge = measure.ten_times(&large[large.len() - 1])?;
-    rows.extend([large, huge].concat());
-    Ok(rows)
-}
+/// The primitives by their names.
+type Primitive = fn(&Bench, usize) -> Result<Measured, Fault>;
+const PRIMITIVES: [(&str, Primitive); 6] = [
+    ("scan", |bench, n| Ok(scan(bench, n)?)),
+    ("sort_u32", |bench, n| Ok(sort_u32(bench, n)?)),
+    ("sort_u64", |bench, n| Ok(sort_u64(bench, n)?)),
+    ("sum", |bench, n| Ok(sum(bench, n)?)),
+    ("segment_sum", |bench, n| Ok(segments(bench, n)?)),
+    ("compact", |bench, n| Ok(compact(bench, n)?)),
+];
 
 impl Bench {
     fn report(&self, m: &Measured) -> Value {

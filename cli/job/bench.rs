@@ -8,6 +8,7 @@ use crate::report::Outcome;
 use sim::workload::{self, Convex, Workload};
 use sim::{FrictionLaw, Method, Quality, Simulation, SolverSettings};
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// A benchmark to run.
 pub enum BenchJob {
@@ -65,6 +66,10 @@ pub struct GpuBench {
     pub adapter: gpu::Choice,
     /// Whether sizes are small.
     pub small: bool,
+    /// Time for all of it.
+    pub time: Duration,
+    /// The file of the result so far.
+    pub out: Option<PathBuf>,
 }
 
 impl BenchJob {
@@ -76,9 +81,10 @@ impl BenchJob {
                 let json = args.json;
                 Ok(BenchJob::Render(render_bench(args)?, json))
             }
-            BenchCommand::Gpu(BenchGpuArgs { adapter, small, json }) => {
+            BenchCommand::Gpu(BenchGpuArgs { adapter, small, seconds, out, json }) => {
                 let adapter = adapter.map_or(gpu::Choice::Hardware, gpu::Choice::Named);
-                Ok(BenchJob::Gpu(GpuBench { adapter, small }, json))
+                let time = Duration::from_secs(seconds);
+                Ok(BenchJob::Gpu(GpuBench { adapter, small, time, out }, json))
             }
         }
     }

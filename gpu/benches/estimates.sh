@@ -31,11 +31,11 @@ FNR == 1 {
         # 2.9 pairs and 2.8 contacts of a sphere.
         pairs=$((spheres * 29 / 10)) contacts=$((spheres * 28 / 10))
         cat <<ROWS
-S $spheres,bounds,$spheres,80,bounds,2
+S $spheres,bounds,$spheres,80,bounds,1
 S $spheres,contact_write: pairs held,$pairs,24,contact_find,8
 S $spheres,contact_write: contacts,$contacts,72,contact_write,3
 S $spheres,Jacobi iteration,$contacts,202,jacobi_contact jacobi_body,2
-S $spheres,APGD trial,$contacts,289,apgd_contact apgd_body,4
+S $spheres,APGD trial,$contacts,257,apgd_contact apgd_body,4
 S $spheres,Gauss–Seidel pass of two sweeps,$contacts,148,tile_sweep,5
 ROWS
     done

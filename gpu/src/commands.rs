@@ -1,7 +1,7 @@
 //! Commands: dispatches, copies and clears, recorded once and submitted together any number of times, timed by stage.
 
 use crate::buffer::{Bound, Buffer, wait_for_map};
-use crate::device::Device;
+use crate::device::{Device, Dispatches};
 use crate::error::GpuError;
 use crate::kernel::Kernel;
 use crate::pace::{Key, Unit};
@@ -31,6 +31,12 @@ enum Command {
     Indirect { pipeline: wgpu::ComputePipeline, group: wgpu::BindGroup, args: wgpu::Buffer, offset: u64 },
     Copy { from: wgpu::Buffer, to: wgpu::Buffer, first: u64, bytes: u64 },
     Clear { buffer: wgpu::Buffer, first: u64, bytes: u64 },
+}
+
+impl Command {
+    fn is_dispatch(&self) -> bool {
+        matches!(self, Command::Dispatch { .. } | Command::Indirect { .. })
+    }
 }
 
 /// The commands of a stage.
@@ -65,8 +71,7 @@ impl Commands {
 
     /// Number of dispatches.
     pub fn n_dispatches(&self) -> usize {
-        let is_dispatch = |c: &&Command| matches!(c, Command::Dispatch { .. } | Command::Indirect { .. });
-        self.stages.iter().flat_map(|s| &s.commands).filter(is_dispatch).count()
+        self.stages.iter().flat_map(|s| &s.commands).filter(|c| c.is_dispatch()).count()
     }
 
     /// Run a kernel over buffers, bound in order from binding 0, and last, if there are any, its constant parameters.
@@ -170,7 +175,13 @@ impl Commands {
 
     /// Tell that the commands have taken this time, s, where that is not to be had from their timings: see [`Timings::unobserved`].
     pub fn observe(&self, device: &Device, seconds: f64) {
-        let units: Vec<Unit> = self.stages.iter().map(|stage| Unit::whole(stage.key())).collect();
+        Commands::observe_all(device, [self], seconds);
+    }
+
+    /// Tell that the commands of several lists have taken this time together, s.
+    pub fn observe_all<'a>(device: &Device, lists: impl IntoIterator<Item = &'a Commands>, seconds: f64) {
+        let stages = lists.into_iter().flat_map(|list| &list.stages);
+        let units: Vec<Unit> = stages.map(|stage| Unit::whole(stage.key())).collect();
         device.pace().observe(&units, seconds);
     }
 }
@@ -181,6 +192,7 @@ pub struct Prepared {
     submissions: Vec<(wgpu::CommandBuffer, Vec<Unit>)>,
     spans: Vec<Span>,
     times: Option<Times>,
+    dispatches: Dispatches,
 }
 
 impl Prepared {
@@ -196,13 +208,14 @@ impl Prepared {
         let is_timed = device.has_timestamps && (1..=MAX_TIMED).contains(&spans.len());
         let times = is_timed.then(|| Times::take(&device.raw, &mut device.idle_times(), spans.len()));
         let mut next = 0;
-        let mut submissions = vec![];
+        let (mut submissions, mut dispatches) = (vec![], Dispatches::new());
         for (k, submission) in plan.iter().enumerate() {
             let mut encoder = device.raw.create_command_encoder(&Default::default());
             while let Some((_, units)) = spans.get(next).filter(|span| span.0 == k) {
                 let of_unit = |(stage, unit): &(usize, Unit)| &stages[*stage].commands[unit.first..unit.end];
                 let commands: Vec<&Command> = units.iter().flat_map(of_unit).collect();
                 let name = units[0].1.key.0;
+                *dispatches.entry(name).or_default() += commands.iter().filter(|c| c.is_dispatch()).count() as u64;
                 encode(device, &mut encoder, (name, &commands), times.as_ref().map(|t| t.of_span(next)));
                 next += 1;
             }
@@ -212,7 +225,7 @@ impl Prepared {
             submissions.push((encoder.finish(), units_of(submission)));
         }
         let spans = spans.into_iter().map(|(submission, own)| Span { submission, units: units_of(own) }).collect();
-        Prepared { submissions, spans, times }
+        Prepared { submissions, spans, times, dispatches }
     }
 
     /// Submit the commands.
@@ -221,6 +234,7 @@ impl Prepared {
     /// Those of [`Device::check`].
     pub fn submit(self, device: &Device) -> Result<Timings, GpuError> {
         device.check()?;
+        device.count_dispatches(&self.dispatches);
         let mut last = None;
         for (commands, units) in self.submissions {
             let waits = self.times.is_none() && device.pace().is_due(&units);
@@ -278,12 +292,11 @@ fn encode(
     (name, commands): (&str, &[&Command]),
     times: Option<(&wgpu::QuerySet, u32)>,
 ) {
-    let is_dispatch = |c: &Command| matches!(c, Command::Dispatch { .. } | Command::Indirect { .. });
     if let Some((set, first)) = times {
         mark(device, encoder, set, first);
     }
-    for run in commands.chunk_by(|a, b| is_dispatch(a) && is_dispatch(b)) {
-        if is_dispatch(run[0]) {
+    for run in commands.chunk_by(|a, b| a.is_dispatch() && b.is_dispatch()) {
+        if run[0].is_dispatch() {
             let desc = wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes: None };
             let mut pass = encoder.begin_compute_pass(&desc);
             run.iter().for_each(|command| run_in_pass(&mut pass, command));

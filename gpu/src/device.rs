@@ -4,6 +4,7 @@ use crate::adapter::{Adapter, Choice, USED, WIDE_ATOMICS, choose};
 use crate::error::GpuError;
 use crate::pace::Pace;
 use crate::times::{Times, Timings};
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -34,8 +35,12 @@ pub struct Device {
     traffic: Mutex<Traffic>,
     /// Times of commands that have not been waited for.
     unsettled: Mutex<Vec<Timings>>,
+    dispatches: Mutex<Dispatches>,
     pub(crate) memory: Arc<Memory>,
 }
+
+/// Number of dispatches that have been submitted so far, by the names of their stages.
+pub type Dispatches = BTreeMap<&'static str, u64>;
 
 /// What has gone between the processor and a device so far, and the time of the processor that it took.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -145,7 +150,7 @@ impl Device {
         let has_wide_atomics = features.contains(WIDE_ATOMICS);
         let has_timestamps = features.contains(wgpu::Features::TIMESTAMP_QUERY);
         let has_timestamps_between = features.contains(wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS);
-        let (scopes, pace, idle_times, traffic, unsettled, memory) = Default::default();
+        let (scopes, pace, idle_times, traffic, unsettled, dispatches, memory) = Default::default();
         Ok(Device {
             adapter,
             raw,
@@ -161,6 +166,7 @@ impl Device {
             idle_times,
             traffic,
             unsettled,
+            dispatches,
             memory,
         })
     }
@@ -188,6 +194,16 @@ impl Device {
     /// What has gone between the processor and the device so far.
     pub fn traffic(&self) -> Traffic {
         *self.traffic.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The dispatches that have been submitted so far, also those that turned out to have no workgroups.
+    pub fn dispatches(&self) -> Dispatches {
+        self.dispatches.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    pub(crate) fn count_dispatches(&self, added: &Dispatches) {
+        let mut dispatches = self.dispatches.lock().unwrap_or_else(PoisonError::into_inner);
+        added.iter().for_each(|(stage, n)| *dispatches.entry(stage).or_default() += n);
     }
 
     pub(crate) fn count(&self, add: impl FnOnce(&mut Traffic)) {

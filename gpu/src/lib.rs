@@ -31,7 +31,7 @@ pub use buffer::{Bound, Buffer, ReadBack};
 pub use bytemuck::Pod;
 pub use commands::{Commands, Prepared, Work};
 pub use count::{BLOCK, Count, Groups};
-pub use device::{Device, Traffic};
+pub use device::{Device, Dispatches, Traffic};
 pub use error::GpuError;
 pub use kernel::{Kernel, Kernels, Part};
 pub use times::Timings;

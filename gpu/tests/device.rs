@@ -254,6 +254,7 @@ fn traffic_is_counted_and_sent_commands_are_timed() {
             commands.send(device).unwrap();
         }
         assert_eq!(values.read(device, 100).unwrap(), [24; 100]);
+        assert_eq!(device.dispatches()["double"], 3);
         let spent = device.traffic() - before;
         assert_eq!((spent.bytes_written, spent.bytes_read), (400 + 3 * 4, 400));
         assert!(spent.submissions >= 4 && spent.waits >= 1 && spent.wait_seconds >= 0.0, "{spent:?}");

@@ -5,7 +5,7 @@
 
 mod bin_emit;
 mod bin_start;
-mod bounds;
+pub mod bounds;
 mod by_shape;
 mod collide;
 mod contact_rows;

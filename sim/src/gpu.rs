@@ -70,7 +70,7 @@ use before::Before;
 use collision::Collision;
 use contact_solve::{ContactSolve, Submissions};
 use exact::Rounds;
-use gpu::{Device, Kernels};
+use gpu::{Device, Dispatches, Kernels, Traffic};
 use holding::Holding;
 use impacts::Impacts;
 use joints::Joints;
@@ -126,7 +126,7 @@ enum Submitted {
 }
 
 /// What a device has been used for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Usage {
     /// The longest time that a submission of commands has kept it, s.
     pub longest_submission: f64,
@@ -140,6 +140,10 @@ pub struct Usage {
     pub sweeps: u32,
     /// Steps that were begun as if the pairs held, and begun again since they did not.
     pub begun_again: u64,
+    /// What has gone between the processor and the device.
+    pub traffic: Traffic,
+    /// Dispatches by stage.
+    pub dispatches: Dispatches,
 }
 
 /// What a step has done.
@@ -229,6 +233,8 @@ impl Gpu {
             bytes_per_contact_sweep: self.solve.bytes,
             sweeps: self.solve.sweeps,
             begun_again: self.holding.n_failed,
+            traffic: self.device.traffic(),
+            dispatches: self.device.dispatches(),
         }
     }
 
@@ -344,7 +350,7 @@ impl Gpu {
         let mut stage_ms = [0.0; Stage::ALL.len()];
         self.take_times(times, &mut stage_ms, rounds.map_or(summary.iterations, |rounds| rounds.iterations))?;
         self.n_contacts = summary.contacts as usize;
-        self.holding.pass(summary.lasts as f64);
+        self.holding.pass(summary.lasts as f64, self.knows_next().then_some(summary.next as f64), summary.rounds);
         self.solve.n_last = Some(summary.iterations);
         let (n, room) = (self.solve.problem.n_bodies, self.collision.columns().0.capacity());
         self.device.expect_growth((n + room) as f64 / (n + self.n_contacts).max(1) as f64);
@@ -395,7 +401,7 @@ impl Gpu {
     /// Submit the stages up to the contacts with their starting point, with what the processor has found before.
     fn find(&mut self, model: &Model, plan: &StepPlan, state: &State, times: &mut Submissions) -> Result<(), Fault> {
         self.place_given(model, plan, state)?;
-        let hold = self.holding.is_likely(1.0);
+        let hold = self.holding.is_likely();
         let (is_held, find) = match self.recorded.ahead.take().filter(|(is_held, _)| *is_held == hold) {
             Some(ahead) => ahead,
             None => self.recorded.prepare(&self.device, hold),
@@ -403,6 +409,11 @@ impl Gpu {
         self.holding.is_held = is_held;
         times.stages.push(find.submit(&self.device)?);
         Ok(())
+    }
+
+    /// Whether the end of a step knows the boxes of the next: of all bodies but those that the processor moves.
+    fn knows_next(&self) -> bool {
+        self.before.from == Stage::Bounds && self.mechanism.is_none()
     }
 
     /// The commands of the step from its contacts on.
@@ -517,7 +528,7 @@ impl Gpu {
             self.is_landing = !is_landing;
             return Ok(Submitted::Again);
         }
-        let rounds = self.solve.submit(&self.device, (solve, is_landing), times)?;
+        let rounds = self.solve.submit(&self.device, (solve, is_landing, self.holding.rounds()), times)?;
         if self.mechanism.as_ref().is_some_and(Mechanism::has_limits) {
             times.stages.push(measure.submit(&self.device)?);
         }
@@ -539,7 +550,7 @@ impl Gpu {
         let end = if state.steps.is_multiple_of(self.recorded.period) { recovery } else { end };
         times.stages.push(end.submit(&self.device)?);
         // While the device is at this step, the next one is encoded.
-        self.recorded.ahead = Some(self.recorded.prepare(&self.device, self.holding.is_likely(2.0)));
+        self.recorded.ahead = Some(self.recorded.prepare(&self.device, self.holding.is_likely_after()));
         Ok(Submitted::Done(rounds))
     }
 

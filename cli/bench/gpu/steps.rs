@@ -1,17 +1,21 @@
 //! Whole steps on a graphics adapter: of workload S, of workload A with a thousand iterations a step, of mixed convex shapes, and of the tracked
 //! vehicle on a bed.
 
+use super::budget::Budget;
 use ::gpu::{Choice, Device, GpuError};
 use serde_json::{Map, Value, json};
 use sim::gpu::Fault;
 use sim::stages::Stage;
 use sim::workload::{self, Workload};
-use sim::{Method, Model, ModelBuilder, Simulation, SolverSettings, State};
+use sim::{Method, Model, ModelBuilder, Quality, Simulation, SolverSettings, State};
 use std::time::Instant;
 
 /// Steps before those that are timed, and the most of these.
 const BEFORE: usize = 2;
 const STEPS: usize = 5;
+
+/// Steps in which mixed shapes come to rest.
+const RESTS: usize = 250;
 
 /// Bodies up to which the same steps are taken by the processor, too.
 const COMPARED: usize = 10_000;
@@ -30,8 +34,8 @@ pub struct Steps<'a> {
     pub most_bytes: u64,
     /// Its copy bandwidth, bytes/s.
     pub bandwidth: f64,
-    /// When no row is begun any more.
-    pub until: Instant,
+    /// The time that there is.
+    pub time: &'a Budget,
     /// Time for the timed steps of a row, s; there is one at least.
     pub seconds: f64,
 }
@@ -53,52 +57,99 @@ impl Row {
     }
 }
 
+/// What takes a row.
+type Add<'a> = &'a mut dyn FnMut(Value) -> Result<(), Fault>;
+
 impl Steps<'_> {
-    /// Measure all methods on a bed of `n` spheres.
-    pub fn spheres(&self, n: usize) -> Result<Vec<Value>, Fault> {
-        let of = |(method, iterations)| {
+    /// Measure all rows. Small ones, which the processor takes, too, come first, and the largest last.
+    ///
+    /// # Errors
+    /// Those of the steps, and of `add`.
+    pub fn all(&self, is_small: bool, add: Add) -> Result<(), Fault> {
+        self.spheres(1_000, add)?;
+        self.anchor(1_000, add)?;
+        self.mixed(1_000, add)?;
+        self.resting(1_000, add)?;
+        self.vehicle(1_000, add)?;
+        if is_small {
+            return self.spheres(10_000, add).map(drop);
+        }
+        self.spheres(84_000, add)?;
+        self.anchor(10_000, add)?;
+        self.mixed(100_000, add)?;
+        self.resting(10_000, add)?;
+        self.vehicle(100_000, add)?;
+        match self.spheres(1_000_000, add)? {
+            Some(large) => self.ten_times(&large, add),
+            None => Ok(()),
+        }
+    }
+
+    /// Measure all methods on a bed of `n` spheres. Returns the last row.
+    fn spheres(&self, n: usize, add: Add) -> Result<Option<Value>, Fault> {
+        let mut last = None;
+        for (method, iterations) in METHODS {
             let row = Row { workload: "S", n, method, radius: workload::radius(Workload::S) };
-            self.row(row, || Ok(bed(n, method, iterations)))
-        };
-        METHODS.into_iter().map(of).collect()
+            let row = self.row(row, || Ok(bed(n, method, iterations)))?;
+            last = Some(row.clone());
+            add(row)?;
+        }
+        Ok(last)
     }
 
     /// The same for ten times the spheres of a measured row, which says what buffers these took. Where those would be larger than the adapter
     /// allows, that is said in its stead.
-    pub fn ten_times(&self, smaller: &Value) -> Result<Vec<Value>, Fault> {
+    fn ten_times(&self, smaller: &Value, add: Add) -> Result<(), Fault> {
         let n = 10 * smaller["n"].as_u64().unwrap_or(0) as usize;
-        let Some(largest) = smaller["largest_buffer_bytes"].as_u64() else { return self.spheres(n) };
+        let largest = smaller["largest_buffer_bytes"].as_u64();
         let limit = self.most_bytes;
-        if 10 * largest <= limit {
-            return self.spheres(n);
-        }
+        let Some(largest) = largest.filter(|largest| 10 * largest > limit) else {
+            return self.spheres(n, add).map(drop);
+        };
         let why = format!(
             "by those of {} spheres the largest buffer would have {} bytes, all of them {}, and this adapter allows {limit} for a buffer",
             smaller["n"],
             10 * largest,
             10 * smaller["device_bytes"].as_u64().unwrap_or(0)
         );
-        let without = |(method, _)| Row { workload: "S", n, method, radius: 0.0 }.without("does_not_fit", why.clone());
-        Ok(METHODS.into_iter().map(without).collect())
+        METHODS.into_iter().try_for_each(|(method, _)| {
+            add(Row { workload: "S", n, method, radius: 0.0 }.without("does_not_fit", why.clone()))
+        })
     }
 
     /// Measure the methods with a thousand iterations or sweeps on a bed of `n` grains of workload A.
-    pub fn anchor(&self, n: usize) -> Result<Vec<Value>, Fault> {
-        let of = |(method, iterations)| {
+    fn anchor(&self, n: usize, add: Add) -> Result<(), Fault> {
+        LONG.into_iter().try_for_each(|(method, iterations)| {
             let row = Row { workload: "A", n, method, radius: workload::radius(Workload::A) };
-            self.row(row, || Ok(drawn(Workload::A, n, workload::solver(method, iterations), (5e-4, 0.8))))
-        };
-        LONG.into_iter().map(of).collect()
+            add(self.row(row, || Ok(drawn(Workload::A, n, workload::solver(method, iterations), (5e-4, 0.8))))?)
+        })
     }
 
     /// Measure the methods on a bed of `n` mixed convex shapes, drawn together until neighbours touch.
-    pub fn mixed(&self, n: usize) -> Result<Vec<Value>, Fault> {
-        self.built(("mixed", n, 0.075), &workload::mixed(n), (1.5e-3, 0.8))
+    fn mixed(&self, n: usize, add: Add) -> Result<(), Fault> {
+        self.built(("mixed", n, 0.075), &workload::mixed(n), (1.5e-3, 0.8), add)
+    }
+
+    /// Measure a bed of `n` mixed convex shapes that has come to rest, by the settings of normal quality, of which the processor takes what is before.
+    fn resting(&self, n: usize, add: Add) -> Result<(), Fault> {
+        let row = Row { workload: "resting", n, method: Method::GaussSeidel, radius: 0.075 };
+        add(self.row(row, || {
+            let mut bed = workload::mixed(n).simulation().map_err(|fault| Fault::Unsupported(fault.to_string()))?;
+            let (step, solver) = Quality::Normal.settings(&bed.model, &bed.state, None);
+            (bed.model.step, bed.model.solver) = (step, SolverSettings { start_iterations: None, ..solver });
+            let moves: Vec<bool> = bed.model.inv_mass.iter().map(|inv_mass| *inv_mass > 0.0).collect();
+            bed.state.position.iter_mut().zip(moves).filter(|(_, moves)| *moves).for_each(|(p, _)| *p *= 0.8);
+            let mut bed = Simulation::new(bed.model, bed.state);
+            for _ in (0..RESTS).take_while(|_| !self.time.is_over()) {
+                bed.step();
+            }
+            Ok((bed.model, bed.state))
+        })?)
     }
 
     /// Measure the methods on the tracked vehicle on a bed of about `n` spheres.
-    pub fn vehicle(&self, n: usize) -> Result<Vec<Value>, Fault> {
-        self.built(("vehicle", n, 0.01), &workload::vehicle(n), (1e-3, 1.0))
+    fn vehicle(&self, n: usize, add: Add) -> Result<(), Fault> {
+        self.built(("vehicle", n, 0.01), &workload::vehicle(n), (1e-3, 1.0), add)
     }
 
     /// Measure the methods on a model with a step, s, whose bodies are as much closer.
@@ -107,26 +158,27 @@ impl Steps<'_> {
         (workload, n, radius): (&'static str, usize, f64),
         builder: &ModelBuilder,
         (step, closer): (f64, f64),
-    ) -> Result<Vec<Value>, Fault> {
+        add: Add,
+    ) -> Result<(), Fault> {
         let mut bed = builder.simulation().map_err(|fault| Fault::Unsupported(fault.to_string()))?;
         let moves: Vec<bool> = bed.model.inv_mass.iter().map(|inv_mass| *inv_mass > 0.0).collect();
         bed.state.position.iter_mut().zip(moves).filter(|(_, moves)| *moves).for_each(|(p, _)| *p *= closer);
-        let of = |(method, iterations)| {
-            self.row(Row { workload, n, method, radius }, || {
+        METHODS.into_iter().try_for_each(|(method, iterations)| {
+            add(self.row(Row { workload, n, method, radius }, || {
                 let mut model = bed.model.clone();
                 (model.step, model.solver) = (step, workload::solver(method, iterations));
                 Ok((model, bed.state.clone()))
-            })
-        };
-        METHODS.into_iter().map(of).collect()
+            })?)
+        })
     }
 
     /// A row, if there is time for it and memory.
     fn row(&self, row: Row, build: impl FnOnce() -> Result<(Model, State), Fault>) -> Result<Value, Fault> {
-        if Instant::now() > self.until {
-            return Ok(row.without("left_out", "the time of the benchmark is over".into()));
+        let kind = format!("{} {}", row.workload, row.method.name());
+        if let Some(why) = self.time.left_out(&kind, row.n) {
+            return Ok(row.without("left_out", why));
         }
-        let measured = match self.measure(row, build()?) {
+        let measured = match self.time.measure(&kind, row.n, || self.measure(row, build()?)) {
             Err(Fault::Gpu(error @ (GpuError::TooLarge { .. } | GpuError::Memory { .. }))) => {
                 row.without("does_not_fit", error.to_string())
             }
@@ -154,7 +206,9 @@ impl Steps<'_> {
         }
         let (mut stage_ms, mut steps, mut last) = ([0.0; Stage::ALL.len()], 0, None);
         let started = Instant::now();
-        while steps == 0 || (steps < STEPS && started.elapsed().as_secs_f64() < self.seconds) {
+        let before = own.device_usage().expect("it is on a device");
+        let has_time = || !self.time.is_over() && started.elapsed().as_secs_f64() < self.seconds;
+        while steps == 0 || (steps < STEPS && has_time()) {
             let report = step(&mut own)?;
             stage_ms.iter_mut().zip(report.stage_ms).for_each(|(sum, ms)| *sum += ms);
             last = Some(report);
@@ -162,6 +216,8 @@ impl Steps<'_> {
         }
         let seconds = started.elapsed().as_secs_f64() / steps as f64;
         stage_ms.iter_mut().for_each(|ms| *ms /= steps as f64);
+        // What brings the state back is not the steps'.
+        let spent = own.device_usage().expect("it is on a device").traffic;
         own.fetch()?;
         let stages: Map<String, Value> =
             Stage::ALL.iter().zip(stage_ms).map(|(stage, ms)| (stage.name().to_string(), json!(ms))).collect();
@@ -172,6 +228,11 @@ impl Steps<'_> {
         });
         let last = last.expect("a step at least");
         let usage = own.device_usage().expect("it is on a device");
+        let per_step = |n: u64| n as f64 / steps as f64;
+        let dispatches: Map<String, Value> = (usage.dispatches.iter())
+            .map(|(stage, n)| (stage.to_string(), json!(per_step(n - before.dispatches.get(stage).unwrap_or(&0)))))
+            .collect();
+        let traffic = spent - before.traffic;
         // Where the adapter takes no times, the stage has none.
         let solving = 1e-3 * stage_ms[Stage::ContactSolve as usize];
         let sweeps = last.contacts as f64 * f64::from(last.iterations * usage.sweeps);
@@ -183,6 +244,7 @@ impl Steps<'_> {
             "contact_iterations_per_second": rate,
             "fraction_of_copy_bandwidth": rate.map(|rate| rate * usage.bytes_per_contact_sweep / self.bandwidth),
             "max_position_difference_m": off, "longest_submission_seconds": usage.longest_submission,
+            "dispatches_per_step": dispatches, "submissions_per_step": per_step(traffic.submissions), "waits_per_step": per_step(traffic.waits),
             "device_bytes": usage.most_bytes, "largest_buffer_bytes": usage.largest_buffer,
         }))
     }

@@ -100,9 +100,9 @@ pub fn tight(model: &Model, state: &State, s: usize, margin: f32) -> Aabb {
 }
 
 /// Number of steps for which a fat AABB covers the motion of its shape.
-const STEPS: f64 = 5.0;
+pub const STEPS: f64 = 5.0;
 /// Fat margin at rest, over half the shortest edge of the tight box.
-const FAT_MARGIN: f32 = 0.04;
+pub const FAT_MARGIN: f32 = 0.04;
 
 /// The fat AABB of a shape from its tight one.
 fn fatten(model: &Model, state: &State, s: usize, b: Aabb) -> Aabb {

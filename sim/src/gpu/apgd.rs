@@ -6,8 +6,9 @@
 //! inout  motion   [n_bodies]    m/s, rad/s
 //! Kernels: apgd_contact.wgsl, apgd_body.wgsl, apgd_decide.wgsl, apgd_extrapolate.wgsl. Twin: cpu/solve/apgd.rs
 //!
-//! Bytes of a contact and trial: its row (48), x, previous and z read and x, previous and z written (96), what z turns bodies by (16), and again
-//! by its two bodies (id 4, z 16, turn 16 each): 232 from memory.
+//! Bytes of a contact and trial: its row (48), z, which is x by now, and the iterate before it read, x and z written (64), what z turns bodies by
+//! (16), and again by its two bodies (id 4, z 16, turn 16 each): 200 from memory. The halves of the columns of x take turns in having it, so that
+//! neither iterate is copied.
 
 use super::iterates::Iterates;
 use super::parts::kernel_of;
@@ -16,7 +17,7 @@ use super::rows::Body;
 use gpu::{Bound, Buffer, Commands, Device, GpuError, Kernel, Kernels, Work};
 
 /// Bytes of a contact and trial from memory.
-pub const BYTES: f64 = 232.0;
+pub const BYTES: f64 = 200.0;
 
 /// The columns of the method, and its kernels.
 pub struct Apgd {
@@ -25,9 +26,6 @@ pub struct Apgd {
     decide: Kernel,
     extrapolate: Kernel,
     iterates: Iterates,
-    previous: Buffer<[f32; 4]>,
-    /// The same of rolling impulses.
-    roll_previous: Buffer<[f32; 4]>,
     motion_y: Buffer<Body>,
     motion_next: Buffer<Body>,
 }
@@ -42,9 +40,7 @@ impl Apgd {
             body: get("apgd_body", include_str!("apgd_body.wgsl"))?,
             decide: get("apgd_decide", include_str!("apgd_decide.wgsl"))?,
             extrapolate: get("apgd_extrapolate", include_str!("apgd_extrapolate.wgsl"))?,
-            iterates: Iterates::new(device, kernels, problem, tolerance)?,
-            previous: Buffer::zeros(device, "previous", problem.gamma.capacity())?,
-            roll_previous: Buffer::zeros(device, "previous rolling", problem.roll.capacity())?,
+            iterates: Iterates::new(device, kernels, problem, (tolerance, 2))?,
             motion_y: motions("motion_y")?,
             motion_next: motions("motion_next")?,
         })
@@ -53,8 +49,6 @@ impl Apgd {
     /// Record the start, from the impulses and velocities of the problem.
     pub fn record_start(&self, commands: &mut Commands, problem: &Problem) {
         self.iterates.record_start(commands, problem);
-        commands.copy(&problem.gamma, &self.previous, problem.gamma.capacity());
-        commands.copy(&problem.roll, &self.roll_previous, problem.roll.capacity());
         commands.copy(&problem.motion, &self.motion_y, problem.n_bodies);
     }
 
@@ -67,8 +61,8 @@ impl Apgd {
         let next = self.motion_next.bind();
         let [roll, roll_row] = problem.rolling();
         let [x, roll_x] = self.iterates.x();
-        let rolling = [roll_x, self.roll_previous.bind(), roll, roll_row];
-        let of_contacts = [row, y, x, self.previous.bind(), z, sums, scalars, n];
+        let rolling = [roll_x, roll, roll_row];
+        let of_contacts = [row, y, x, z, sums, scalars, n];
         let of_contacts: Vec<Bound> = of_contacts.into_iter().chain(rolling).chain([spin]).collect();
         let [mass, orientation] = problem.inertia();
         let of_bodies = [spin, z, free, side, start, y, next, body_sums, mass, orientation, roll];

@@ -1,12 +1,12 @@
 // APGD: residual terms of the iterate x squared, summed over a workgroup.
 // in   row      [n_contacts]
 // in   motion   [n_bodies]    m/s, rad/s: velocities with x
-// in   x        [n_contacts]  N s, world
+// in   x        [n_contacts or twice as many]  N s, world: the half that has it
 // in   next     [n_contacts]  N s, world: x, if the last trial was taken
 // in   scalars  [1]
 // out  parts    [n_groups]    m²/s²
 // in   count    [1]           n_contacts
-// in    roll_x, roll_next [n_contacts]  N m s, world: the same of rolling and spinning impulses
+// in    roll_x, roll_next  N m s, world: the same of rolling and spinning impulses
 // in    roll_row [n_contacts]
 // Twin: cpu/solve/iterates.rs
 #import sphere
@@ -33,12 +33,12 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     var own = vec4(0.0);
     if k < count[0] {
         let row = rows[k];
-        let x = select(x_column[k].xyz, next[k].xyz, scalars[0].accepted != 0u);
+        let x = select(x_column[k + scalars[0].half * (arrayLength(&x_column) / 2u)].xyz, next[k].xyz, scalars[0].accepted != 0u);
         let gradient = gradient_of(row, motion[row.bodies.x], motion[row.bodies.y]);
         let term = residual_term(x, gradient, row);
         own.x = dot(term, term);
         if ROLLS {
-            let own_roll = select(roll_x[k].xyz, roll_next[k].xyz, scalars[0].accepted != 0u);
+            let own_roll = select(roll_x[k + scalars[0].half * (arrayLength(&roll_x) / 2u)].xyz, roll_next[k].xyz, scalars[0].accepted != 0u);
             let turning = roll_gradient(motion[row.bodies.x], motion[row.bodies.y]);
             let of_roll = roll_term(own_roll, turning, row, x, roll_row[k]);
             own.x += dot(of_roll, of_roll) * roll_row[k].w;

@@ -1,13 +1,14 @@
-// APGD, a trial: z = Π(y − t η (N y + r)) from y = x + β (x − previous). If the last trial was taken, it is x now.
+// APGD, a trial: z = Π(y − t η (N y + r)) from y = x + β (x − previous). If the last trial was taken, it is x now, in the place of the iterate
+// before the last.
 // in    row       [n_contacts]
 // in    motion_y  [n_bodies]    m/s, rad/s: velocities that y gives the bodies
-// inout x         [n_contacts]  N s, world; the fourth numbers are not used
-// inout previous  [n_contacts]  N s, world
+// inout x         [2 n_contacts]  N s, world; the fourth numbers are not used; the half that has it, and the other, which has the one before it
 // inout next      [n_contacts]  N s, world: z
 // out   parts     [n_groups]    |z − y|²/η and (N y + r)·(z − x), J, summed over a workgroup
 // in    scalars   [1]
 // in    count     [1]           n_contacts
-// inout roll_x, roll_previous, roll_next [n_contacts]  N m s, world: the same of rolling and spinning impulses
+// inout roll_x    [2 n_contacts]  N m s, world: the same of rolling and spinning impulses
+// inout roll_next [n_contacts]
 // in    roll_row [n_contacts]
 // out   spin     [n_contacts]  what z turns the bodies by, as in `spin.wgsl`
 // Twin: cpu/solve/apgd.rs
@@ -21,26 +22,31 @@
 @group(0) @binding(0) var<storage, read> rows: array<Row>;
 @group(0) @binding(1) var<storage, read> motion_y: array<Body>;
 @group(0) @binding(2) var<storage, read_write> x_column: array<vec4<f32>>;
-@group(0) @binding(3) var<storage, read_write> previous: array<vec4<f32>>;
-@group(0) @binding(4) var<storage, read_write> next: array<vec4<f32>>;
-@group(0) @binding(5) var<storage, read_write> parts: array<vec4<f32>>;
-@group(0) @binding(6) var<storage, read> scalars: array<Scalars>;
-@group(0) @binding(7) var<storage, read> count: array<u32>;
-@group(0) @binding(8) var<storage, read_write> roll_x: array<vec4<f32>>;
-@group(0) @binding(9) var<storage, read_write> roll_previous: array<vec4<f32>>;
-@group(0) @binding(10) var<storage, read_write> roll_next: array<vec4<f32>>;
-@group(0) @binding(11) var<storage, read> roll_row: array<vec4<f32>>;
-@group(0) @binding(12) var<storage, read_write> spin: array<vec4<f32>>;
+@group(0) @binding(3) var<storage, read_write> next: array<vec4<f32>>;
+@group(0) @binding(4) var<storage, read_write> parts: array<vec4<f32>>;
+@group(0) @binding(5) var<storage, read> scalars: array<Scalars>;
+@group(0) @binding(6) var<storage, read> count: array<u32>;
+@group(0) @binding(7) var<storage, read_write> roll_x: array<vec4<f32>>;
+@group(0) @binding(8) var<storage, read_write> roll_next: array<vec4<f32>>;
+@group(0) @binding(9) var<storage, read> roll_row: array<vec4<f32>>;
+@group(0) @binding(10) var<storage, read_write> spin: array<vec4<f32>>;
+
+// The rows of a contact in a column of `n` rows: that of x, and that of the iterate before it; without extrapolation, as at first, it is not asked for.
+fn rows_of(k: u32, n: u32) -> vec2<u32> {
+    let of_x = k + scalars[0].half * (n / 2u);
+    return vec2(of_x, select(k + (1u - scalars[0].half) * (n / 2u), of_x, scalars[0].beta == 0.0));
+}
 
 // The trial of the rolling impulse of a contact with the impulse x, and what it adds to the sums.
 fn roll_trial(k: u32, row: Row, gamma: vec3<f32>) -> vec4<f32> {
-    var x = roll_x[k].xyz;
-    var before = roll_previous[k].xyz;
+    let at = rows_of(k, arrayLength(&roll_x));
+    let before = roll_x[at.y].xyz;
+    var x: vec3<f32>;
     if scalars[0].accepted != 0u {
-        before = x;
         x = roll_next[k].xyz;
-        roll_previous[k] = vec4(before, 0.0);
-        roll_x[k] = vec4(x, 0.0);
+        roll_x[at.x] = vec4(x, 0.0);
+    } else {
+        x = roll_x[at.x].xyz;
     }
     let of_roll = roll_row[k];
     let y = x + (x - before) * scalars[0].beta;
@@ -55,13 +61,14 @@ fn trial_of(k: u32) -> vec4<f32> {
     if k >= count[0] {
         return vec4(0.0);
     }
-    var x = x_column[k].xyz;
-    var before = previous[k].xyz;
+    let at = rows_of(k, arrayLength(&x_column));
+    let before = x_column[at.y].xyz;
+    var x: vec3<f32>;
     if scalars[0].accepted != 0u {
-        before = x;
         x = next[k].xyz;
-        previous[k] = vec4(before, 0.0);
-        x_column[k] = vec4(x, 0.0);
+        x_column[at.x] = vec4(x, 0.0);
+    } else {
+        x = x_column[at.x].xyz;
     }
     let row = rows[k];
     let y = x + (x - before) * scalars[0].beta;

@@ -52,6 +52,7 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     let is_known = curvature > s.rounding;
     if !is_known || curvature * s.step <= moved * 1.00001 || s.step <= least || is_last {
         s.accepted = 1u;
+        s.half = 1u - s.half;
         s.beta = next_beta;
         s.theta = select(next_theta, 1.0, is_uphill);
         s.kept++;

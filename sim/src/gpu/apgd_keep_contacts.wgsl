@@ -1,10 +1,10 @@
 // APGD: keep the impulses of the best iterate.
-// in   x        [n_contacts]  N s, world
+// in   x        [n_contacts or twice as many]  N s, world: the half that has it
 // in   next     [n_contacts]  N s, world: x, if the last trial was taken
 // out  best     [n_contacts]  N s, world
 // in   scalars  [1]
 // in   count    [1]           n_contacts
-// in   roll_x, roll_next [n_contacts]  N m s, world: the same of rolling and spinning impulses
+// in   roll_x, roll_next  N m s, world: the same of rolling and spinning impulses
 // out  roll_best [n_contacts]  N m s, world
 #import sphere
 #import scalars
@@ -23,9 +23,9 @@
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let k = row_of(group, thread);
     if k < count[0] {
-        best[k] = select(x_column[k], next[k], scalars[0].accepted != 0u);
+        best[k] = select(x_column[k + scalars[0].half * (arrayLength(&x_column) / 2u)], next[k], scalars[0].accepted != 0u);
         if ROLLS {
-            roll_best[k] = select(roll_x[k], roll_next[k], scalars[0].accepted != 0u);
+            roll_best[k] = select(roll_x[k + scalars[0].half * (arrayLength(&roll_x) / 2u)], roll_next[k], scalars[0].accepted != 0u);
         }
     }
 }

@@ -49,7 +49,7 @@ impl BarzilaiBorwein {
                 get("spectral_take_contacts", include_str!("spectral_take_contacts.wgsl"))?,
                 get("spectral_take_bodies", include_str!("spectral_take_bodies.wgsl"))?,
             ],
-            iterates: Iterates::new(device, kernels, problem, tolerance)?,
+            iterates: Iterates::new(device, kernels, problem, (tolerance, 1))?,
             motion_next: Buffer::zeros(device, "motion_next", problem.n_bodies)?,
         })
     }

@@ -17,7 +17,7 @@ fn begun(last: Scalars, n_contacts: u32, omega: f32) -> Scalars {
     s.trials = 0u;
     s.best = 3e38;
     s.is_current = 1u;
-    s.keeps = 0u;
+    s.half = 0u;
     s.omega = omega;
     s.last_step2 = 3e38;
     s.residual = 0.0;

@@ -6,12 +6,14 @@
 //! out   margin    [n_spheres]  m, distance within which contacts are generated: δ + |v| h
 //! inout fat_aabb  [n_spheres]  m, renewed for all when a tight box has left its fat one
 //! out   lasts     [1]          number of steps for which none will
+//! out   next      [1]          the same from the start of the next step on
 //! out   due       counts of what the broad phase works on: all, or nothing while the pairs hold
 //! Kernels: bounds.wgsl, pairs_due.wgsl, fatten.wgsl. Twin: cpu/bounds.rs
 
 use super::bodies::Bodies;
 use super::parts::{Layout, ROWS, bits, groups, kernel, kernel_of};
 use super::spheres::Spheres;
+use crate::cpu::bounds::{FAT_MARGIN, STEPS};
 use crate::model::Model;
 use gpu::{Bound, Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels, Work};
 
@@ -23,6 +25,8 @@ pub struct Due {
     pub lost: Buffer<u32>,
     /// As bits: the number of steps, from the start of this one on, for which none will (1).
     pub lasts: Buffer<u32>,
+    /// The same from the start of the next step on, none if one will have left its box by then (1); and whether one will (1).
+    pub next: [Buffer<u32>; 2],
     /// The spheres whose boxes are renewed.
     renewed: Count,
     /// The spheres.
@@ -42,6 +46,7 @@ impl Due {
             left: Buffer::of(device, "left", &[1])?,
             lost: Buffer::of(device, "lost", &[1])?,
             lasts: Buffer::of(device, "lasts", &[bits(f32::MAX as f64)])?,
+            next: [Buffer::of(device, "next", &[bits(f32::MAX as f64)])?, Buffer::zeros(device, "next left", 1)?],
             renewed: Count::found(device, n)?,
             spheres: Count::found(device, n)?,
             rows: Count::found(device, n + 1)?,
@@ -70,37 +75,53 @@ impl Bounds {
         })
     }
 
-    /// Record the stage; where the pairs hold, boxes are not renewed.
-    pub fn record(
+    /// Record the margins of the poses that there are, and for how many steps the boxes hold these: from this step on, or at its end from the next.
+    pub fn record_margins(
         &self,
         device: &Device,
         commands: &mut Commands,
         model: &Model,
         (bodies, at): (&Bodies, &Spheres),
-        (due, hold): (&Due, bool),
+        (due, is_next): (&Due, bool),
     ) {
         let [envelope, step, unit] = [model.envelope, model.step, bodies.scale.unit].map(bits);
         let [position, velocity] = [bodies.position.bind(), bodies.velocity.bind()];
         let [activity, sphere] = [bodies.activity.bind(), at.sphere.bind()];
         let (margin, fat) = (at.margin.bind(), at.fat_aabb.bind());
         let turning = [bodies.orientation.bind(), bodies.spin.bind(), at.solid.bind()];
-        let own = [position, velocity, activity, sphere, fat, margin, due.left.bind(), due.lasts.bind()];
+        let [next, next_left] = &due.next;
+        let [left, lasts] = if is_next { [next_left, next] } else { [&due.left, &due.lasts] }.map(Buffer::bind);
+        let own = [position, velocity, activity, sphere, fat, margin, left, lasts];
         let bound: Vec<Bound> = own.into_iter().chain(turning).collect();
         commands.dispatch(device, &self.bounds, &bound, &[at.n as u32, envelope, step, unit], groups(at.n));
-        if hold {
-            return;
-        }
+    }
+
+    /// Record the stage, in which boxes are renewed where one has been left.
+    pub fn record(
+        &self,
+        device: &Device,
+        commands: &mut Commands,
+        model: &Model,
+        (bodies, at): (&Bodies, &Spheres),
+        due: &Due,
+    ) {
+        self.record_margins(device, commands, model, (bodies, at), (due, false));
+        let [step, unit] = [model.step, bodies.scale.unit].map(bits);
+        let [position, velocity] = [bodies.position.bind(), bodies.velocity.bind()];
+        let [activity, sphere] = [bodies.activity.bind(), at.sphere.bind()];
+        let (margin, fat) = (at.margin.bind(), at.fat_aabb.bind());
+        let turning = [bodies.orientation.bind(), bodies.spin.bind(), at.solid.bind()];
         let [renewed, spheres, rows, bins] =
             [&due.renewed, &due.spheres, &due.rows, &due.bins].map(|count| count.n.bind());
         let counts = [renewed, spheres, rows, bins, due.lasts.bind(), due.levels.bind()];
         let bound: Vec<Bound> = [due.left.bind(), due.lost.bind()].into_iter().chain(counts).collect();
-        let params = [at.n as u32, due.bins.capacity as u32];
+        let params = [at.n as u32, due.bins.capacity as u32, bits(STEPS)];
         commands.dispatch(device, &self.due, &bound, &params, Work::Groups(1));
 
         self.groups.record(device, commands, &due.renewed);
         let own = [position, velocity, activity, sphere, margin, fat, renewed];
         let bound: Vec<Bound> = own.into_iter().chain(turning).collect();
         let work = self.groups.of_level(&due.renewed, 0);
-        commands.dispatch(device, &self.fatten, &bound, &[step, unit], work);
+        commands.dispatch(device, &self.fatten, &bound, &[step, unit, bits(STEPS), FAT_MARGIN.to_bits()], work);
     }
 }

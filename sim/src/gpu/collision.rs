@@ -243,9 +243,9 @@ impl Collision {
         self.manifolds.as_ref().map_or(&self.no_arms, |manifolds| &manifolds.arms)
     }
 
-    /// As bits: the number of steps, from the start of the last run on, for which the pairs hold (1).
-    pub fn lasts(&self) -> &Buffer<u32> {
-        &self.due.lasts
+    /// As bits: the number of steps, from the start of the last run on and from that of the next, for which the pairs hold (1 each).
+    pub fn lasts(&self) -> [&Buffer<u32>; 2] {
+        [&self.due.lasts, &self.due.next[0]]
     }
 
     /// Number of pairs that room is needed for, whether there is room, and number of contacts that it is needed for (3).

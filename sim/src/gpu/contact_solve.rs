@@ -32,8 +32,10 @@ use std::time::Instant;
 /// Name of the stage.
 const STAGE: &str = "contact_solve";
 
-/// Iterations that are submitted at a time.
+/// Iterations that are submitted at a time; beyond those of the settings, where each of them may be the last; and the most of these at once.
 const PART: u32 = 50;
+const PART_BEYOND: u32 = 6;
+const MOST_BEYOND: u32 = 200;
 
 /// Places of the step length, the iterations so far, whether the solve goes on, and the residual in the scalars.
 const STEP: usize = 2;
@@ -64,7 +66,8 @@ pub struct ContactSolve {
 /// The recorded commands of a solve.
 #[derive(Default)]
 pub struct Recorded {
-    iteration: Commands,
+    /// The parts of an iteration, by the rounds of Gauss–Seidel that they are for, if they are for some.
+    iteration: Vec<(Option<u32>, Commands)>,
     /// A check of the iterate, and the iterations from one to the next.
     check: Option<(u32, Commands)>,
     /// What decides whether iterations go on beyond those of the settings.
@@ -93,17 +96,22 @@ pub struct Submissions {
 }
 
 impl Recorded {
-    /// The lists of the iterations after the first `done` up to `end`; from the `last` of the settings on it is decided whether there are more.
-    fn lists(&self, done: u32, end: u32, last: u32) -> impl Iterator<Item = &Commands> {
+    /// The lists of the iterations after the first `done` up to `end`, without those of rounds that are not in the mask; from the `last` of the settings
+    /// on it is decided whether there are more.
+    fn lists(&self, done: u32, end: u32, (last, rounds): (u32, u32)) -> impl Iterator<Item = &Commands> {
+        let own = move || {
+            let has_any = move |round: &Option<u32>| round.is_none_or(|round| rounds >> round & 1 == 1);
+            self.iteration.iter().filter(move |(round, _)| has_any(round)).map(|(_, part)| part)
+        };
         let check =
             |k: u32| self.check.as_ref().filter(|(interval, _)| k.is_multiple_of(*interval)).map(|(_, check)| check);
         let closing = move |k: u32| self.closing.as_ref().filter(|_| k >= last);
-        (done + 1..=end).flat_map(move |k| [Some(&self.iteration), check(k), closing(k)]).flatten()
+        (done + 1..=end).flat_map(move |k| own().chain(check(k)).chain(closing(k)))
     }
 
     /// Tell the time of one iteration, s: their timings have those in them that had nothing to do.
     pub fn observe(&self, device: &Device, seconds: f64) {
-        self.iteration.observe(device, seconds);
+        Commands::observe_all(device, self.iteration.iter().map(|(_, part)| part), seconds);
         for other in self.check.iter().map(|(_, check)| check).chain(&self.closing) {
             other.observe(device, seconds);
         }
@@ -238,29 +246,23 @@ impl ContactSolve {
         self.rounds(is_landing).is_some() || self.settings.iterations.is_none()
     }
 
-    /// Submit the iterations of a step, once its start has been. Returns the iterations of all rounds, where there are rounds.
+    /// Submit the iterations of a step, once its start has been, without the rounds of Gauss–Seidel that are not in the mask. Returns the iterations of all rounds, where there are rounds.
     ///
     /// # Errors
     /// Those of [`Commands::submit`] and [`Buffer::read`].
     pub fn submit(
         &self,
         device: &Device,
-        (solve, is_landing): (&Recorded, bool),
+        (solve, is_landing, mask): (&Recorded, bool, u32),
         times: &mut Submissions,
     ) -> Result<Option<Rounds>, GpuError> {
         let n = if self.asks(is_landing) { self.problem.n_contacts.read(device)? } else { 1 };
         let blocks = if self.problem.layout.rolls { 2 * n } else { n };
         let most = if n == 0 { 0 } else { self.settings.max_iterations(blocks) };
         let Some(exact) = self.rounds(is_landing) else {
-            self.submit_iterations(device, solve, (most, most), times)?;
-            if matches!(self.columns(is_landing), Columns::GaussSeidel(sweeps) if sweeps.goes_beyond()) {
-                for _ in 1..SolverSettings::BEYOND {
-                    if !self.goes_on(device)? {
-                        break;
-                    }
-                    self.submit_iterations(device, solve, (most, 1), times)?;
-                }
-            }
+            let goes_beyond = matches!(self.columns(is_landing), Columns::GaussSeidel(own) if own.goes_beyond());
+            let all = if goes_beyond { SolverSettings::BEYOND * most } else { most };
+            self.submit_iterations(device, (solve, mask), (all, most), times)?;
             return Ok(None);
         };
         let mut rounds = Rounds::default();
@@ -269,7 +271,7 @@ impl ContactSolve {
             exact.place_limit(device, own);
             let begin = if round == 0 { &solve.first } else { &solve.again };
             times.stages.push(begin.submit(device)?);
-            self.submit_iterations(device, solve, (own, own), times)?;
+            self.submit_iterations(device, (solve, mask), (own, own), times)?;
             times.stages.push(solve.measure.submit(device)?);
             let scalars = self.problem.scalars.read(device, 1)?[0];
             let residual = f32::from_bits(scalars[RESIDUAL]) as f64;
@@ -284,16 +286,24 @@ impl ContactSolve {
     fn submit_iterations(
         &self,
         device: &Device,
-        solve: &Recorded,
+        (solve, rounds): (&Recorded, u32),
         (most, last): (u32, u32),
         times: &mut Submissions,
     ) -> Result<(), GpuError> {
         let mut submit = |done: u32, end: u32| -> Result<(), GpuError> {
-            times.iterations.push(Commands::submit_all(device, solve.lists(done, end, last))?.unobserved());
+            let lists = solve.lists(done, end, (last, rounds));
+            times.iterations.push(Commands::submit_all(device, lists)?.unobserved());
             Ok(())
         };
         // As many as the last step has taken, to begin with: those of a solve that has ended take their time, too.
-        let mut done = self.expected(solve).map_or(0, |n| n.min(PART).min(most));
+        let mut done = match self.expected(solve) {
+            // Beyond those of the settings only if it has gone beyond them.
+            expected if most > last => {
+                let beyond = self.n_last.filter(|n| *n > last).map(|n| n + 1);
+                beyond.unwrap_or(expected.map_or(last, |n| n.min(last))).min(MOST_BEYOND).min(most)
+            }
+            expected => expected.map_or(0, |n| n.min(PART).min(most)),
+        };
         if done > 0 {
             submit(0, done)?;
             if done < most && !self.goes_on(device)? {
@@ -308,7 +318,7 @@ impl ContactSolve {
             {
                 break;
             }
-            let end = most.min(done + PART);
+            let end = most.min(done + if most > last { PART_BEYOND } else { PART });
             submit(done, end)?;
             if asked.is_none() && end < most {
                 asked = Some((end, self.problem.scalars.read_back(device, 1)?));
@@ -411,7 +421,8 @@ impl ContactSolve {
         recorded: &mut Recorded,
         is_landing: bool,
     ) -> Result<(), GpuError> {
-        let (commands, problem) = (&mut recorded.iteration, &self.problem);
+        let (mut own, problem) = (Commands::new(), &self.problem);
+        let commands = &mut own;
         commands.stage(STAGE);
         let iterates = match self.columns(is_landing) {
             Columns::Jacobi => {
@@ -421,11 +432,18 @@ impl ContactSolve {
             Columns::Apgd(apgd) => Some(apgd.record(device, commands, problem)),
             Columns::BarzilaiBorwein(own) => Some(own.record(device, commands, problem)),
             Columns::GaussSeidel(sweeps) => {
-                sweeps.record(device, commands, problem);
+                for round in 0..sweeps.rounds() {
+                    let mut part = Commands::new();
+                    part.stage(STAGE);
+                    sweeps.record_round(device, &mut part, problem, round);
+                    recorded.iteration.push((Some(round), part));
+                }
+                sweeps.record_rest(device, commands, problem);
                 recorded.closing = sweeps.closing(device, problem, STAGE);
                 None
             }
         };
+        recorded.iteration.push((None, own));
         if let Some(iterates) = iterates {
             let mut check = Commands::new();
             check.stage(STAGE);
@@ -499,13 +517,13 @@ impl ContactSolve {
         let n = self.settings.iterations.unwrap_or(PART);
         device.wait()?;
         let started = Instant::now();
-        let times = Commands::submit_all(device, recorded.lists(0, n, n))?.unobserved().wait(device)?;
+        let times = Commands::submit_all(device, recorded.lists(0, n, (n, u32::MAX)))?.unobserved().wait(device)?;
         let wall = started.elapsed().as_secs_f64();
         let seconds = times.map_or(wall, |times| times.iter().map(|(_, seconds)| seconds).sum());
         recorded.observe(device, seconds / f64::from(n.max(1)));
         let mut commands = Commands::new();
         self.record_end(device, &mut commands, false);
         commands.submit(device)?;
-        Ok((seconds, recorded.lists(0, n, n).map(Commands::n_dispatches).sum()))
+        Ok((seconds, recorded.lists(0, n, (n, u32::MAX)).map(Commands::n_dispatches).sum()))
     }
 }

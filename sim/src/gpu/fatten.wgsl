@@ -8,7 +8,8 @@
 // in   count     [1]          n_spheres if pairs are to be found, else 0
 // in   orientation, spin [n_bodies]  rad/s, in the bodies' frames
 // in   solid     [n_spheres]  where shapes are of any kind
-// in   params    [2]          as bits: h (s), unit of the scale (m)
+// in   params    [4]          as bits: h (s), unit of the scale (m); number of steps for which a fat box covers the motion of its sphere, and its
+//                             margin at rest over half the edge of the tight box
 // Twin: cpu/bounds.rs
 #import shape_box
 
@@ -24,10 +25,6 @@
 @group(0) @binding(9) var<storage, read> solid: array<Solid>;
 @group(0) @binding(10) var<storage, read> params: array<u32>;
 
-// Number of steps for which a fat box covers the motion of its sphere, and its margin at rest over half the edge of the tight box.
-const STEPS: f32 = 5.0;
-const FAT_MARGIN: f32 = 0.04;
-
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let s = row_of(group, thread);
@@ -42,8 +39,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     var fat = shape_box(s, margin[s], bitcast<f32>(params[1]));
     if activity[body] == MOVING {
         let edge = fat.high - fat.low;
-        let time = bitcast<f32>(params[0]) * STEPS;
-        let grown = vec4(vec3(0.5 * FAT_MARGIN * min(edge.x, min(edge.y, edge.z)) + surface_speed(s) * time), 0.0);
+        let time = bitcast<f32>(params[0]) * bitcast<f32>(params[2]);
+        let grown = vec4(vec3(0.5 * bitcast<f32>(params[3]) * min(edge.x, min(edge.y, edge.z)) + surface_speed(s) * time), 0.0);
         let moved = vec4(velocity[body].xyz * time, 0.0);
         fat.low += min(moved, vec4(0.0)) - grown;
         fat.high += max(moved, vec4(0.0)) + grown;

@@ -122,7 +122,6 @@ impl Visits {
 
 /// The columns of a collision with tiles that the method reads.
 struct Columns {
-    touching: Buffer<u32>,
     place: Buffer<u32>,
     /// Number of rounds.
     rounds: u32,
@@ -141,9 +140,8 @@ struct Columns {
 
 impl Columns {
     fn of(collision: &Collision, tiles: &Tiles) -> Columns {
-        let [touching, place] = collision.of_pairs();
+        let [_, place] = collision.of_pairs();
         Columns {
-            touching: touching.clone(),
             place: place.clone(),
             color: tiles.color.clone(),
             local: tiles.local.clone(),
@@ -275,33 +273,45 @@ impl GaussSeidel {
         self.closing.is_some() || self.settling.is_some()
     }
 
-    /// Record an iteration.
-    pub fn record(&self, device: &Device, commands: &mut Commands, problem: &Problem) {
+    /// Number of rounds of an iteration.
+    pub fn rounds(&self) -> u32 {
+        self.columns.rounds
+    }
+
+    /// As bits the squares of the residual of slow bodies and of their speed; zeros where sweeps do not go on for them.
+    fn settling(&self) -> [u32; 2] {
+        self.settling.map_or([0; 2], |most| most.map(|most| bits(most * most)))
+    }
+
+    /// Record a round of an iteration.
+    pub fn record_round(&self, device: &Device, commands: &mut Commands, problem: &Problem, round: u32) {
+        let [of_sweep, _] = self.bound(problem);
+        let ([sweeps, is_exact, omega], [sweep, _]) = (self.params, self.visits.sweeps());
+        let settling = self.settling();
+        // The law of spheres is in their visits.
+        let n_params = if matches!(self.visits, Visits::Spheres { .. }) { 5 } else { 8 };
+        for piece in 0..self.n_pieces {
+            let params = [round, piece, self.n_pieces, sweeps, omega, is_exact, settling[0], settling[1]];
+            commands.dispatch(device, sweep, &of_sweep, &params[..n_params], Work::Groups(self.n_groups));
+        }
+    }
+
+    /// Record what follows the rounds of an iteration: big tiles and pairs in none, the joints, and whether there is another.
+    pub fn record_rest(&self, device: &Device, commands: &mut Commands, problem: &Problem) {
         let c = &self.columns;
-        let [of_sweep, of_rest] = self.bound(problem);
-        let start = c.round_start.bind();
-        let counts = [start, problem.n_contacts.n.bind()];
+        let [_, of_rest] = self.bound(problem);
+        let counts = [c.round_start.bind(), problem.n_contacts.n.bind()];
         let scalars = problem.scalars.bind();
         let moved = [self.moved.bind(), self.moved_rest.bind()];
         let of_decision = [moved[0], moved[1], scalars, self.work.bind(), counts[0], counts[1]];
-        let [sweeps, is_exact, omega] = self.params;
-        let [sweep, rest] = self.visits.sweeps();
-        let settling = self.settling.map_or([0; 2], |most| most.map(|most| bits(most * most)));
-        // The law of spheres is in their visits.
-        let (sweep_params, rest_params) = if matches!(self.visits, Visits::Spheres { .. }) { (5, 7) } else { (8, 10) };
-        for round in 0..c.rounds {
-            for piece in 0..self.n_pieces {
-                let params = [round, piece, self.n_pieces, sweeps, omega, is_exact, settling[0], settling[1]];
-                let params = &params[..sweep_params];
-                commands.dispatch(device, sweep, &of_sweep, params, Work::Groups(self.n_groups));
-            }
-        }
+        let ([_, rest], settling) = (self.visits.sweeps(), self.settling());
+        let n_params = if matches!(self.visits, Visits::Spheres { .. }) { 7 } else { 10 };
         // Without joints the last kernel decides whether another iteration follows.
         let beyond = if self.settling.is_some() { SolverSettings::BEYOND } else { 0 };
         let deciding = [bits(self.tolerance), self.closing.is_some() as u32, c.rounds, beyond];
         let decides = problem.joints.is_none() as u32;
         let params: Vec<u32> = self.params.into_iter().chain([decides]).chain(deciding).chain(settling).collect();
-        commands.dispatch(device, rest, &of_rest, &params[..rest_params], Work::Groups(1));
+        commands.dispatch(device, rest, &of_rest, &params[..n_params], Work::Groups(1));
         if let Some(joints) = &problem.joints {
             let work = Work::Indirect(&self.work, 0);
             joints.record_more(device, commands, &problem.of_joints(), work);
@@ -329,18 +339,17 @@ impl GaussSeidel {
         let (row, motion, gamma, scalars) =
             (problem.row(), problem.motion.bind(), problem.gamma.bind(), problem.scalars.bind());
         let (moved, moved_rest) = (self.moved.bind(), self.moved_rest.bind());
-        let (place, order, color, first, size) =
-            (c.place.bind(), self.order.bind(), c.color.bind(), c.first.bind(), c.size.bind());
+        let (place, order, first, size) = (c.place.bind(), self.order.bind(), c.first.bind(), c.size.bind());
         let (n_tiles, n_pairs) = (c.n_tiles.n.bind(), c.n_pairs.n.bind());
         let of_tiles = [self.tile.bind(), c.body.bind(), c.round_start.bind(), motion];
         let of_decision = [moved, c.round_start.bind(), self.work.bind(), problem.n_contacts.n.bind(), scalars];
-        let of_big = [color, first, size, c.big.bind(), c.n_big.n.bind(), n_tiles, n_pairs];
+        let of_big = [c.local.bind(), c.body.bind(), first, size, c.big.bind(), c.n_big.n.bind(), n_tiles, n_pairs];
         let [mass, orientation] = problem.inertia();
         let [roll, roll_row] = problem.rolling();
         match &self.visits {
             Visits::Spheres { visits, impulses, .. } => {
                 let sweep = [visits.bind()].into_iter().chain(of_tiles).chain([impulses.bind(), moved, scalars]);
-                let rest = [row, c.touching.bind(), place].into_iter().chain(of_big);
+                let rest = [row, place].into_iter().chain(of_big);
                 [sweep.collect(), rest.chain([motion, gamma, moved_rest]).chain(of_decision).collect()]
             }
             Visits::Manifolds { visits, .. } => {

@@ -23,6 +23,7 @@ pub struct Iterates {
     best: Kernel,
     keep_contacts: Kernel,
     keep_bodies: Kernel,
+    /// The iterate x, in one half of two, where there are two.
     x: Buffer<[f32; 4]>,
     best_gamma: Buffer<[f32; 4]>,
     best_motion: Buffer<Body>,
@@ -34,8 +35,13 @@ pub struct Iterates {
 }
 
 impl Iterates {
-    /// For a problem.
-    pub fn new(device: &Device, kernels: &Kernels, problem: &Problem, tolerance: f64) -> Result<Iterates, GpuError> {
+    /// For a problem. With two `halves` the columns of x have the iterate before it, too.
+    pub fn new(
+        device: &Device,
+        kernels: &Kernels,
+        problem: &Problem,
+        (tolerance, halves): (f64, usize),
+    ) -> Result<Iterates, GpuError> {
         let impulses = |name| Buffer::zeros(device, name, problem.gamma.capacity());
         let rolling = |name| Buffer::zeros(device, name, problem.roll.capacity());
         let get = |name, text| kernel_of(problem.layout, device, kernels, (name, text));
@@ -44,10 +50,10 @@ impl Iterates {
             best: get("apgd_best", include_str!("apgd_best.wgsl"))?,
             keep_contacts: get("apgd_keep_contacts", include_str!("apgd_keep_contacts.wgsl"))?,
             keep_bodies: get("apgd_keep_bodies", include_str!("apgd_keep_bodies.wgsl"))?,
-            x: impulses("x")?,
+            x: Buffer::zeros(device, "x", halves * problem.gamma.capacity())?,
             best_gamma: impulses("best impulses")?,
             best_motion: Buffer::zeros(device, "best motion", problem.n_bodies)?,
-            roll_x: rolling("rolling x")?,
+            roll_x: Buffer::zeros(device, "rolling x", halves * problem.roll.capacity())?,
             roll_best: rolling("best rolling impulses")?,
             tolerance,
         })

@@ -7,7 +7,7 @@
 // out   bins     [1]  n_bins or 0
 // inout lasts    [1]  as bits: steps for which all will be in their boxes; out that of new ones, if they are renewed
 // inout levels   [2]  mask of the levels of bins that are used; zero out if pairs are found
-// in    params   [2]  n_spheres, n_bins
+// in    params   [3]  n_spheres, n_bins; as bits the number of steps that new boxes cover
 @group(0) @binding(0) var<storage, read_write> left: array<u32>;
 @group(0) @binding(1) var<storage, read_write> lost: array<u32>;
 @group(0) @binding(2) var<storage, read_write> renewed: array<u32>;
@@ -18,9 +18,6 @@
 @group(0) @binding(7) var<storage, read_write> levels: array<u32>;
 @group(0) @binding(8) var<storage, read> params: array<u32>;
 
-// As `fatten` makes them.
-const STEPS: f32 = 5.0;
-
 @compute @workgroup_size(1)
 fn main() {
     let has_left = left[0] != 0u;
@@ -30,7 +27,7 @@ fn main() {
     rows[0] = select(0u, params[0] + 1u, is_due);
     bins[0] = select(0u, params[1], is_due);
     if has_left {
-        lasts[0] = bitcast<u32>(STEPS);
+        lasts[0] = params[2];
     }
     if is_due {
         levels[0] = 0u;

@@ -43,6 +43,7 @@ const PARTS: &[Part<'static>] = parts!(
     "tile_listed",
     "tile_decided",
     "tile_visit",
+    "tile_most",
     "manifold",
     "tensor",
     "row",

@@ -36,7 +36,7 @@ impl Gpu {
         }
         let from = self.before.from;
         match hold {
-            true => collision.record_held(device, &mut find, model),
+            true => collision.record_held(device, &mut find, model, self.knows_next()),
             false => collision.record_from(device, &mut find, model, from),
         }
         let starts_here = from <= Stage::WarmStart;
@@ -107,7 +107,11 @@ impl Gpu {
         if from <= Stage::WarmStart {
             warm_start.record_keep(device, c, collision.columns(), (problem.impulses(), room));
         }
-        survey.record(device, kernels, c, (model, bodies), (problem, room, collision.lasts()))?;
+        if self.knows_next() {
+            collision.record_next(device, c, model);
+        }
+        let rounds = collision.tiles().map(|tiles| &tiles.round_start);
+        survey.record(device, kernels, c, (model, bodies), (problem, room, collision.lasts()), rounds)?;
         Ok(commands)
     }
 }

@@ -3,7 +3,8 @@
 // in    rows         [n_contacts]
 // in    visits       [n_contacts]
 // in    place        [n_pairs + 1] number of contacts of the pairs before each pair
-// in    color        [n_pairs]
+// in    order        [n_pairs]     pairs of each big tile by their colours, from its first pair on
+// in    ends         [2 n_pairs]   ends of its colours in this list, from twice its first pair on
 // in    tile_first   [n_tiles]     first pair of each tile
 // in    tile_size    [n_tiles]     number of pairs without a colour, and of colours
 // in    big          [n_big]       the big tiles
@@ -33,29 +34,29 @@
 @group(0) @binding(0) var<storage, read> rows: array<Row>;
 @group(0) @binding(1) var<storage, read> visits: array<vec4<f32>>;
 @group(0) @binding(2) var<storage, read> place: array<u32>;
-@group(0) @binding(3) var<storage, read> color: array<u32>;
-@group(0) @binding(4) var<storage, read> tile_first: array<u32>;
-@group(0) @binding(5) var<storage, read> tile_size: array<vec2<u32>>;
-@group(0) @binding(6) var<storage, read> big: array<u32>;
-@group(0) @binding(7) var<storage, read> n_big: array<u32>;
-@group(0) @binding(8) var<storage, read> n_tiles: array<u32>;
-@group(0) @binding(9) var<storage, read> n_pairs: array<u32>;
-@group(0) @binding(10) var<storage, read_write> motion: array<Body>;
-@group(0) @binding(11) var<storage, read_write> gamma: array<vec4<f32>>;
-@group(0) @binding(12) var<storage, read_write> rest_moved: array<f32>;
-@group(0) @binding(13) var<storage, read> mass: array<vec4<f32>>;
-@group(0) @binding(14) var<storage, read> orientation: array<vec4<f32>>;
-@group(0) @binding(15) var<storage, read_write> roll: array<vec4<f32>>;
-@group(0) @binding(16) var<storage, read> roll_row: array<vec4<f32>>;
-@group(0) @binding(17) var<storage, read> moved: array<f32>;
-@group(0) @binding(18) var<storage, read> round_start: array<u32>;
-@group(0) @binding(19) var<storage, read_write> work: array<vec4<u32>>;
-@group(0) @binding(20) var<storage, read> count: array<u32>;
-@group(0) @binding(21) var<storage, read_write> scalars: array<Scalars>;
-@group(0) @binding(22) var<storage, read> params: array<u32>;
+@group(0) @binding(3) var<storage, read> order: array<u32>;
+@group(0) @binding(4) var<storage, read> ends: array<u32>;
+@group(0) @binding(5) var<storage, read> tile_first: array<u32>;
+@group(0) @binding(6) var<storage, read> tile_size: array<vec2<u32>>;
+@group(0) @binding(7) var<storage, read> big: array<u32>;
+@group(0) @binding(8) var<storage, read> n_big: array<u32>;
+@group(0) @binding(9) var<storage, read> n_tiles: array<u32>;
+@group(0) @binding(10) var<storage, read> n_pairs: array<u32>;
+@group(0) @binding(11) var<storage, read_write> motion: array<Body>;
+@group(0) @binding(12) var<storage, read_write> gamma: array<vec4<f32>>;
+@group(0) @binding(13) var<storage, read_write> rest_moved: array<f32>;
+@group(0) @binding(14) var<storage, read> mass: array<vec4<f32>>;
+@group(0) @binding(15) var<storage, read> orientation: array<vec4<f32>>;
+@group(0) @binding(16) var<storage, read_write> roll: array<vec4<f32>>;
+@group(0) @binding(17) var<storage, read> roll_row: array<vec4<f32>>;
+@group(0) @binding(18) var<storage, read> moved: array<f32>;
+@group(0) @binding(19) var<storage, read> round_start: array<u32>;
+@group(0) @binding(20) var<storage, read_write> work: array<vec4<u32>>;
+@group(0) @binding(21) var<storage, read> count: array<u32>;
+@group(0) @binding(22) var<storage, read_write> scalars: array<Scalars>;
+@group(0) @binding(23) var<storage, read> params: array<u32>;
 
 const THREADS: u32 = 256u;
-const NONE: u32 = 0xffffffffu;
 
 // Visit the contacts of a pair. Returns their residual terms squared, whether a body is fast, and whether there are any contacts.
 fn visit_pair(pair: u32) -> vec4<f32> {
@@ -94,24 +95,23 @@ fn main(@builtin(local_invocation_index) thread: u32) {
             end = tile_first[tile + 1u];
         }
         for (var sweep = 0u; sweep < params[0]; sweep++) {
+            var begin = first;
             for (var c = 0u; c < tile_size[tile].y; c++) {
+                let of_color = first + ends[2u * first + c];
                 storageBarrier();
                 workgroupBarrier();
-                for (var k = first + thread; k < end; k += THREADS) {
-                    if color[k] == c {
-                        let of_pair = visit_pair(k);
-                        terms += select(vec4(0.0), of_pair, sweep == 0u);
-                    }
+                for (var i = begin + thread; i < of_color; i += THREADS) {
+                    let of_pair = visit_pair(order[i]);
+                    terms += select(vec4(0.0), of_pair, sweep == 0u);
                 }
+                begin = of_color;
             }
             if tile_size[tile].x > 0u {
                 storageBarrier();
                 workgroupBarrier();
-                for (var k = first; k < select(first, end, thread == 0u); k++) {
-                    if color[k] == NONE {
-                        let of_pair = visit_pair(k);
-                        terms += select(vec4(0.0), of_pair, sweep == 0u);
-                    }
+                for (var i = begin; i < select(begin, end, thread == 0u); i++) {
+                    let of_pair = visit_pair(order[i]);
+                    terms += select(vec4(0.0), of_pair, sweep == 0u);
                 }
             }
         }

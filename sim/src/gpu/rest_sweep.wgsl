@@ -1,9 +1,9 @@
 // Gauss–Seidel over the contacts of big tiles and of pairs in no tile, one tile after the other, by one workgroup on the columns in memory;
 // and, where no joints follow, whether another iteration does.
 // in    rows         [n_contacts]
-// in    touching     [n_contacts]  the pair of each contact
 // in    place        [n_pairs + 1] number of contacts of the pairs before each pair
-// in    color        [n_pairs]
+// in    order        [n_pairs]     pairs of each big tile by their colours, from its first pair on
+// in    ends         [2 n_pairs]   ends of its colours in this list, from twice its first pair on
 // in    tile_first   [n_tiles]     first pair of each tile
 // in    tile_size    [n_tiles]     number of pairs without a colour, and of colours
 // in    big          [n_big]       the big tiles
@@ -25,9 +25,9 @@
 #import tile_decided
 
 @group(0) @binding(0) var<storage, read> rows: array<Row>;
-@group(0) @binding(1) var<storage, read> touching: array<u32>;
-@group(0) @binding(2) var<storage, read> place: array<u32>;
-@group(0) @binding(3) var<storage, read> color: array<u32>;
+@group(0) @binding(1) var<storage, read> place: array<u32>;
+@group(0) @binding(2) var<storage, read> order: array<u32>;
+@group(0) @binding(3) var<storage, read> ends: array<u32>;
 @group(0) @binding(4) var<storage, read> tile_first: array<u32>;
 @group(0) @binding(5) var<storage, read> tile_size: array<vec2<u32>>;
 @group(0) @binding(6) var<storage, read> big: array<u32>;
@@ -46,7 +46,12 @@
 
 const THREADS: u32 = 256u;
 
-fn visit(k: u32) -> f32 {
+// Visit the contact of a pair, if it touches. Returns its residual term squared.
+fn visit_pair(pair: u32) -> f32 {
+    let k = place[pair];
+    if place[pair + 1u] == k {
+        return 0.0;
+    }
     let row = rows[k];
     let a = motion[row.bodies.x];
     let b = motion[row.bodies.y];
@@ -72,29 +77,29 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     let n_tiles_to_do = select(0u, n_big[0], scalars[0].goes_on == 1u);
     for (var t = 0u; t < n_tiles_to_do; t++) {
         let tile = big[t];
-        var end_pair = n_pairs[0];
+        let first = tile_first[tile];
+        var end = n_pairs[0];
         if tile + 1u < n_tiles[0] {
-            end_pair = tile_first[tile + 1u];
+            end = tile_first[tile + 1u];
         }
-        let first = place[tile_first[tile]];
-        let end = place[end_pair];
         for (var sweep = 0u; sweep < params[0]; sweep++) {
+            var begin = first;
             for (var c = 0u; c < tile_size[tile].y; c++) {
+                let of_color = first + ends[2u * first + c];
                 storageBarrier();
                 workgroupBarrier();
-                for (var k = first + thread; k < end; k += THREADS) {
-                    if color[touching[k]] == c {
-                        term += select(0.0, visit(k), sweep == 0u);
-                    }
+                for (var i = begin + thread; i < of_color; i += THREADS) {
+                    let of_pair = visit_pair(order[i]);
+                    term += select(0.0, of_pair, sweep == 0u);
                 }
+                begin = of_color;
             }
             if tile_size[tile].x > 0u {
                 storageBarrier();
                 workgroupBarrier();
-                for (var k = first; k < select(first, end, thread == 0u); k++) {
-                    if color[touching[k]] == 0xffffffffu {
-                        term += select(0.0, visit(k), sweep == 0u);
-                    }
+                for (var i = begin; i < select(begin, end, thread == 0u); i++) {
+                    let of_pair = visit_pair(order[i]);
+                    term += select(0.0, of_pair, sweep == 0u);
                 }
             }
         }

@@ -241,5 +241,9 @@ gpu::wgsl_rows! {
         needed: u32,
         /// Number of steps like this one for which the pairs hold, from its start on.
         lasts: f32,
+        /// The same from the start of the next step on: none where a body has left its box by then.
+        next: f32,
+        /// Mask of the rounds of Gauss–Seidel that have any tiles.
+        rounds: u32,
     }
 }

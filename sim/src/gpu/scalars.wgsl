@@ -2,8 +2,8 @@
 #import rolls
 
 // Of APGD: Nesterov's θ and the factor β of the extrapolation, the step length t, whether the last trial was taken, trials since one was
-// too long. Iterations so far and the most; whether the solve goes on. The least residual so far, whether it is that of the last iterate,
-// whether that is to be kept; the curvature below which there is rounding alone. The factor of the starting point. Of Jacobi: ω, and the
+// too long. Iterations so far and the most; whether the solve goes on. The least residual so far, whether it is that of the last iterate; which
+// half of the columns of iterates has x, whose other half has the iterate before it; the curvature below which there is rounding alone. The factor of the starting point. Of Jacobi: ω, and the
 // square of the last step; of Barzilai–Borwein ω is the step length. The residual, m/s.
 struct Scalars {
     theta: f32,
@@ -16,7 +16,7 @@ struct Scalars {
     goes_on: u32,
     best: f32,
     is_current: u32,
-    keeps: u32,
+    half: u32,
     rounding: f32,
     factor: f32,
     omega: f32,

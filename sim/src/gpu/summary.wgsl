@@ -7,6 +7,8 @@
 // in   room       [3]         number of pairs that room is needed for, whether there is room, and the number of contacts
 // in   count      [1]         n_contacts
 // inout lasts     [1]         as bits: steps for which the pairs hold; none told out
+// inout next      [1]         the same from the start of the next step on
+// in   round_start [10]       first tile of each round
 // out  summary    [1]
 // in   params     [1]         n_bodies
 #import scalars
@@ -29,6 +31,8 @@ struct Summary {
     most_energetic: u32,
     needed: u32,
     lasts: f32,
+    next: f32,
+    rounds: u32,
 }
 
 @group(0) @binding(0) var<storage, read> of_bodies: array<vec4<f32>>;
@@ -39,8 +43,10 @@ struct Summary {
 @group(0) @binding(5) var<storage, read> room: array<u32>;
 @group(0) @binding(6) var<storage, read> count: array<u32>;
 @group(0) @binding(7) var<storage, read_write> lasts: array<u32>;
-@group(0) @binding(8) var<storage, read_write> summary: array<Summary>;
-@group(0) @binding(9) var<storage, read> params: array<u32>;
+@group(0) @binding(8) var<storage, read_write> next: array<u32>;
+@group(0) @binding(9) var<storage, read> round_start: array<u32>;
+@group(0) @binding(10) var<storage, read_write> summary: array<Summary>;
+@group(0) @binding(11) var<storage, read> params: array<u32>;
 
 @compute @workgroup_size(256)
 fn main(@builtin(local_invocation_index) thread: u32) {
@@ -68,6 +74,13 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     summary[0].most_energetic = body[1];
     summary[0].needed = room[2];
     summary[0].lasts = bitcast<f32>(lasts[0]);
+    summary[0].next = bitcast<f32>(next[0]);
+    var rounds = 0u;
+    for (var round = 0u; round < 9u; round++) {
+        rounds |= select(0u, 1u << round, round_start[round + 1u] > round_start[round]);
+    }
+    summary[0].rounds = rounds;
     // More than any.
     lasts[0] = bitcast<u32>(3.4e38);
+    next[0] = lasts[0];
 }

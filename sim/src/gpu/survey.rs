@@ -28,6 +28,7 @@ pub struct Survey {
     /// The bodies that have them (2).
     body: Buffer<u32>,
     none: Buffer<u32>,
+    no_rounds: Buffer<u32>,
     /// The summary of the last step (1).
     pub summary: Buffer<Summary>,
 }
@@ -48,6 +49,7 @@ impl Survey {
             lowest: Buffer::zeros(device, "lowest", bodies.n)?,
             peaks: Buffer::zeros(device, "peaks", 2)?,
             body: Buffer::zeros(device, "peak bodies", 2)?,
+            no_rounds: Buffer::zeros(device, "no rounds", 10)?,
             none: Buffer::of(device, "no bodies", &[u32::MAX; 2])?,
             summary: Buffer::zeros(device, "summary", 1)?,
         };
@@ -63,7 +65,8 @@ impl Survey {
         kernels: &Kernels,
         commands: &mut Commands,
         (model, bodies): (&Model, &Bodies),
-        (problem, room, lasts): (&Problem, &Buffer<u32>, &Buffer<u32>),
+        (problem, room, [lasts, next]): (&Problem, &Buffer<u32>, [&Buffer<u32>; 2]),
+        round_start: Option<&Buffer<u32>>,
     ) -> Result<(), GpuError> {
         let get = |name, text| kernel(device, kernels, name, text);
         let [mass, velocity, spin] = [bodies.mass.bind(), bodies.velocity.bind(), bodies.spin.bind()];
@@ -80,7 +83,9 @@ impl Survey {
         commands.dispatch(device, &kernel, &[mass, velocity, spin, peaks, body], &[], groups(bodies.n));
         let kernel = get("summary", include_str!("summary.wgsl"))?;
         let solve = [problem.scalars.bind(), peaks, body, problem.worst.bind(), room.bind()];
-        let rest = [problem.n_contacts.n.bind(), lasts.bind(), self.summary.bind()];
+        // Where there are no tiles, no round has any.
+        let rounds = round_start.unwrap_or(&self.no_rounds);
+        let rest = [problem.n_contacts.n.bind(), lasts.bind(), next.bind(), rounds.bind(), self.summary.bind()];
         let bound: Vec<gpu::Bound> = [sums].into_iter().chain(solve).chain(rest).collect();
         commands.dispatch(device, &kernel, &bound, &[bodies.n as u32], Work::Groups(1));
         Ok(())

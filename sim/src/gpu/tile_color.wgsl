@@ -14,6 +14,7 @@
 // Twin: cpu/solve/schedule.rs
 #import sphere
 #import tile_listed
+#import tile_most
 
 @group(0) @binding(0) var<storage, read> place: array<u32>;
 @group(0) @binding(1) var<storage, read> local: array<u32>;
@@ -31,8 +32,8 @@ const NONE: u32 = 0xffffffffu;
 const NOWHERE: u32 = 0xffffu;
 
 // Of each body: the pair that claims it, and the colours that it has.
-var<workgroup> claim: array<atomic<u32>, 480>;
-var<workgroup> taken: array<atomic<u32>, 480>;
+var<workgroup> claim: array<atomic<u32>, MOST_BODIES>;
+var<workgroup> taken: array<atomic<u32>, MOST_BODIES>;
 var<workgroup> n_left: atomic<u32>;
 var<workgroup> left: u32;
 
@@ -55,7 +56,7 @@ fn color_tile(tile: u32, thread: u32) {
     let first = tile_first[tile];
     let end = select(n_pairs[0], tile_first[min(tile + 1u, arrayLength(&tile_first) - 1u)], tile + 1u < n_tiles[0]);
     workgroupBarrier();
-    for (var b = thread; b < min(tile_size[tile].x, 480u); b += THREADS) {
+    for (var b = thread; b < min(tile_size[tile].x, MOST_BODIES); b += THREADS) {
         atomicStore(&claim[b], NONE);
         atomicStore(&taken[b], 0u);
     }

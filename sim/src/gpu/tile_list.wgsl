@@ -13,10 +13,11 @@
 // out  tile_body   [2 n_pairs]  bodies of each tile, from twice its first pair on
 // out  tile_size   [n_tiles]    number of bodies
 // out  is_big      [n_tiles]
-// in   params      [4]          the most bodies of a tile that is not big, the index of this dispatch, the number of dispatches, and that of the
-//                               rounds whose tiles are swept by workgroups of their own
+// in   params      [3]          the index of this dispatch, the number of dispatches, and that of the rounds whose tiles are swept by workgroups of
+//                               their own
 // Twin: cpu/solve/schedule.rs
 #import side
+#import tile_most
 
 @group(0) @binding(0) var<storage, read> sorted: array<vec2<u32>>;
 @group(0) @binding(1) var<storage, read> sphere: array<Sphere>;
@@ -71,7 +72,7 @@ fn slot_of(body: u32) -> u32 {
 fn enter(side: u32) {
     let body = side_of(side).body;
     // Past the limit a tile is big, whatever else it has.
-    if activity[body] == MOVING && atomicLoad(&n_bodies) <= params[0] {
+    if activity[body] == MOVING && atomicLoad(&n_bodies) <= MOST_BODIES {
         slot_of(body);
     }
 }
@@ -86,7 +87,7 @@ fn local_of(side: u32) -> u32 {
 
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-    let tile = (group.x + group.y * 65535u) * params[2] + params[1];
+    let tile = (group.x + group.y * 65535u) * params[1] + params[0];
     if tile >= n_tiles[0] {
         return;
     }
@@ -95,7 +96,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     for (var k = first + thread; k < end; k += THREADS) {
         pairs[k] = sorted[k];
     }
-    if end - first > MOST || tile >= round_start[params[3]] {
+    if end - first > MOST || tile >= round_start[params[2]] {
         if thread == 0u {
             is_big[tile] = 1u;
         }
@@ -116,7 +117,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     workgroupBarrier();
     if thread == 0u {
-        is_full = select(0u, 1u, atomicLoad(&n_bodies) > params[0] || atomicLoad(&has_failed) == 1u);
+        is_full = select(0u, 1u, atomicLoad(&n_bodies) > MOST_BODIES || atomicLoad(&has_failed) == 1u);
         is_big[tile] = is_full;
         tile_size[tile] = vec2(atomicLoad(&n_bodies), 0u);
     }

@@ -1,7 +1,6 @@
 // A visit of Gauss–Seidel to a contact of spheres, as the sweeps of tiles read it.
 
-// The most bodies of a tile; in place of one that is held.
-const MOST_BODIES: u32 = 480u;
+#import tile_most
 
 struct TileVisit {
     // Unit normal out of A, and the offset Φ/h of an open gap.

@@ -5,8 +5,8 @@
 //! out    tile_first   [n_tiles]     first pair of each tile
 //! out    round_start  [10]          first tile of each round, and of the pairs in no tile
 //! out    color        [n_pairs]     of spheres; of any shapes those of big tiles, since their pairs that touch are coloured in each step
-//! out    local        [n_pairs]     places of the bodies in the tile's list
-//! out    tile_body    [2 n_pairs]   bodies of each tile
+//! out    local        [n_pairs]     places of the bodies in the tile's list; of a big tile, its pairs by their colours
+//! out    tile_body    [2 n_pairs]   bodies of each tile; of a big one, the ends of its colours
 //! out    tile_size    [n_tiles]     number of bodies; of a big one, of pairs without a colour, and of colours
 //! out    big          [n_big]       tiles that do not fit a workgroup
 //! Kernels: tile_due.wgsl, tile_key.wgsl, the sort, tile_pairs.wgsl, the compaction, tile_rounds.wgsl, tile_list.wgsl, tile_color.wgsl, rest_color.wgsl.
@@ -31,9 +31,6 @@ const CROWD: [f64; 2] = [262.0, 340.0];
 /// Least edge of a tile over the usual width of a shape: neighbours are within a cube of one of the rounds.
 const LEAST_EDGE: f64 = 2.5;
 
-/// The most bodies of a tile that is not big: with them the memory of a workgroup is 16 KiB.
-const MOST_BODIES: u32 = 480;
-
 /// Moving bodies to a workgroup that takes the tiles of a round one after the other, and the most workgroups: enough to fill any device.
 const BODIES_OF_GROUP: usize = 128;
 const MOST_GROUPS: usize = 4096;
@@ -54,9 +51,9 @@ pub struct Tiles {
     pub round_start: Buffer<u32>,
     /// Colours of the pairs (n_pairs).
     pub color: Buffer<u32>,
-    /// Places of a pair's bodies in the list of its tile, 16 bits each (n_pairs).
+    /// Places of a pair's bodies in the list of its tile, 16 bits each; the pairs of a big tile by their colours (n_pairs).
     pub local: Buffer<u32>,
-    /// Bodies of each tile, from twice its first pair on (2 n_pairs).
+    /// Bodies of each tile, or ends of the colours of a big one, from twice its first pair on (2 n_pairs).
     pub body: Buffer<u32>,
     /// Number of bodies of each tile; of a big one, number of pairs without a colour and of colours (n_tiles).
     pub size: Buffer<[u32; 2]>,
@@ -242,7 +239,7 @@ impl Tiles {
         let out = [pairs, self.local.bind(), self.body.bind(), size, is_big];
         let bound: Vec<Bound> = from.into_iter().chain(out).collect();
         for piece in 0..self.n_pieces {
-            let params = [MOST_BODIES, piece, self.n_pieces, self.rounds];
+            let params = [piece, self.n_pieces, self.rounds];
             commands.dispatch(device, &kernels.list, &bound, &params, of_tiles.of_level(&self.n_colored, 0));
         }
         if self.is_lasting {
@@ -250,7 +247,9 @@ impl Tiles {
         }
         self.compact[1].record(device, commands, &self.is_big, &self.n_colored, &self.big, &self.n_big);
         let from = [pairs, sphere, fixture, activity, first, n_tiles, n_pairs, n_colored];
-        let out = [self.big.bind(), n_big, self.claim.bind(), color, size];
+        let lists = [self.local.bind(), self.body.bind()];
+        let found = [self.big.bind(), n_big, self.claim.bind(), color];
+        let out = found.into_iter().chain(lists).chain([size]);
         let bound: Vec<Bound> = from.into_iter().chain(out).collect();
         commands.dispatch(device, &kernels.rest, &bound, &[], one);
     }

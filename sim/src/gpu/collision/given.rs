@@ -39,7 +39,7 @@ impl Collision {
         let Collision { bodies, spheres, fixtures, due, bins, pairs, .. } = self;
         if from <= Stage::Bounds {
             c.stage("bounds");
-            self.bounds.record(device, c, model, (bodies, spheres), (due, false));
+            self.bounds.record(device, c, model, (bodies, spheres), due);
         }
         if from <= Stage::BinEmit {
             c.stage("bin_emit");
@@ -67,12 +67,19 @@ impl Collision {
         self.record_contacts(device, c, model, false);
     }
 
-    /// Record the stages for pairs that hold: the boxes, and the contacts of the pairs that there are. If they do not hold after all, the step
-    /// has no room, and is undone.
-    pub fn record_held(&self, device: &Device, c: &mut Commands, model: &Model) {
-        c.stage("bounds");
-        self.bounds.record(device, c, model, (&self.bodies, &self.spheres), (&self.due, true));
+    /// Record the stages for pairs that hold: the contacts of the pairs that there are; and the boxes, unless the last step is known to have left them.
+    /// If they do not hold after all, the step has no room, and is undone.
+    pub fn record_held(&self, device: &Device, c: &mut Commands, model: &Model, is_known: bool) {
+        if !is_known {
+            c.stage("bounds");
+            self.bounds.record_margins(device, c, model, (&self.bodies, &self.spheres), (&self.due, false));
+        }
         self.record_contacts(device, c, model, true);
+    }
+
+    /// Record the boxes of the next step, once the bodies have moved.
+    pub fn record_next(&self, device: &Device, c: &mut Commands, model: &Model) {
+        self.bounds.record_margins(device, c, model, (&self.bodies, &self.spheres), (&self.due, true));
     }
 
     fn record_contacts(&self, device: &Device, c: &mut Commands, model: &Model, hold: bool) {

@@ -533,7 +533,14 @@ fn what_is_slow_is_swept_on_as_on_the_cpu() {
         state.velocity.iter_mut().skip(1).for_each(|v| v.x += speed);
         let mut simulation =
             if is_own { super::whole::on_device(&model, &state)? } else { Simulation::new(model, state) };
-        let most = (0..n).map(|_| simulation.step().iterations).max();
+        let of_solve = |own: &Simulation| own.device_usage()?.dispatches.get("contact_solve").copied();
+        let dispatches = |own: &Simulation| of_solve(own).unwrap_or(0);
+        let before = dispatches(&simulation);
+        let taken: Vec<u32> = (0..n).map(|_| simulation.step().iterations).collect();
+        let (most, taken) = (taken.iter().copied().max(), taken.iter().sum::<u32>());
+        // Tiles are in one round or two, and in most steps pairs hold, so that the other rounds have no dispatch.
+        let spent = dispatches(&simulation) - before;
+        assert!(spent < u64::from(6 * taken + 30 * n), "{spent} dispatches in {n} steps of {taken} iterations");
         simulation.fetch().unwrap();
         let v = &simulation.state.velocity;
         Some((v.iter().map(|v| v.length()).sum::<f64>() / v.len() as f64, most.unwrap()))
