@@ -51,12 +51,14 @@ mod spheres;
 mod surfaces;
 mod survey;
 mod tiles;
+mod usage;
 mod warm_start;
 
 #[cfg(test)]
 mod tests;
 
 pub use fault::Fault;
+pub use usage::Usage;
 
 use crate::model::Model;
 use crate::outcome::{Outcome, StepOutcome};
@@ -70,7 +72,7 @@ use before::Before;
 use collision::Collision;
 use contact_solve::{ContactSolve, Submissions};
 use exact::Rounds;
-use gpu::{Device, Dispatches, Kernels, Traffic};
+use gpu::{Device, Kernels};
 use holding::Holding;
 use impacts::Impacts;
 use joints::Joints;
@@ -123,27 +125,6 @@ enum Submitted {
     Again,
     /// A sleeping body has woken: the step is to begin again.
     Woken,
-}
-
-/// What a device has been used for.
-#[derive(Clone, Debug)]
-pub struct Usage {
-    /// The longest time that a submission of commands has kept it, s.
-    pub longest_submission: f64,
-    /// The most bytes that buffers have taken together.
-    pub most_bytes: u64,
-    /// Bytes of the largest buffer.
-    pub largest_buffer: u64,
-    /// Bytes of a contact and sweep from memory, by the method of the model.
-    pub bytes_per_contact_sweep: f64,
-    /// Sweeps of an iteration.
-    pub sweeps: u32,
-    /// Steps that were begun as if the pairs held, and begun again since they did not.
-    pub begun_again: u64,
-    /// What has gone between the processor and the device.
-    pub traffic: Traffic,
-    /// Dispatches by stage.
-    pub dispatches: Dispatches,
 }
 
 /// What a step has done.

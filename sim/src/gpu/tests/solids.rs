@@ -456,8 +456,9 @@ fn a_pyramid_begins_from_rest_as_on_the_cpu() {
             assert!((impulses[0] / impulses[1] - 1.0).abs() < 1e-5 && speeds[0] < 1e-6, "{impulses:?}, {speeds:?}");
             assert!(later[0] < 1e-5 && off < 1e-6, "{later:?} m/s, {off} m");
         } else {
-            // The device counts those that settle it, too.
-            assert!(iterations[0] >= 15 && iterations[1] == 15 && speeds[1] > 1e-3, "{iterations:?}, {speeds:?} m/s");
+            // Sweeps, of which the device counts those that settle it, too, do not come to them from nothing; the CPU then solves the island.
+            assert!(iterations[0] >= 15 && iterations[1] == 15, "{iterations:?}");
+            assert!(speeds[0] > 2e-4 && speeds[1] < 1e-4, "{speeds:?} m/s");
         }
     }
 }
