@@ -5,7 +5,6 @@ use serde_json::{Value, json};
 use sim::gpu::Fault;
 use std::cell::RefCell;
 use std::collections::HashMap;
-use std::fs;
 use std::path::Path;
 use std::time::Instant;
 
@@ -77,7 +76,7 @@ impl Report<'_> {
         Report { value: head, out }
     }
 
-    /// Add a row to a part, and write all to the file, whole: under another name, which is then changed.
+    /// Add a row to a part, and write all to the file, whole.
     ///
     /// # Errors
     /// [`Fault::Unsupported`] where the file cannot be written.
@@ -86,9 +85,8 @@ impl Report<'_> {
             rows.push(row);
         }
         let Some(out) = self.out else { return Ok(()) };
-        let partial = out.with_extension("partial");
-        let written = fs::write(&partial, format!("{}\n", self.value)).and_then(|()| fs::rename(&partial, out));
-        written.map_err(|error| Fault::Unsupported(format!("{}: {error}", out.display())))
+        let written = frame::atomic::write(out, format!("{}\n", self.value).as_bytes());
+        written.map_err(|fault| Fault::Unsupported(fault.to_string()))
     }
 }
 

@@ -301,11 +301,7 @@ impl Workspace {
         self.eta.resize(n + rolls + limits.len(), 0.0);
         fill_rows(&mut self.eta, |i| {
             if i < n {
-                let [a, b] = contacts.bodies[i].map(|b| b as usize);
-                let mut trace = 3.0 * (masses.inv_mass[a] + masses.inv_mass[b]);
-                let [arm_a, arm_b] = contacts.arms(i);
-                trace += masses.rotational_trace(a, arm_a) + masses.rotational_trace(b, arm_b);
-                3.0 / trace
+                3.0 / masses.trace(contacts.bodies[i].map(|b| b as usize), contacts.arms(i))
             } else if i < n + rolls {
                 let [a, b] = contacts.bodies[i - n].map(|b| masses.inv_inertia(b as usize));
                 let m = a + b;

@@ -203,9 +203,16 @@ impl Masses {
         }
     }
 
+    /// trace(N_ii) of a contact between two bodies with these arms, m; 1/kg.
+    #[inline]
+    pub fn trace(&self, [a, b]: [usize; 2], [arm_a, arm_b]: [DVec3; 2]) -> f64 {
+        let turning = self.rotational_trace(a, arm_a) + self.rotational_trace(b, arm_b);
+        3.0 * (self.inv_mass[a] + self.inv_mass[b]) + turning
+    }
+
     /// trace([a]ᵀ J⁻¹ [a]) for an arm a, m; 1/kg.
     #[inline]
-    pub fn rotational_trace(&self, body: usize, arm: DVec3) -> f64 {
+    fn rotational_trace(&self, body: usize, arm: DVec3) -> f64 {
         let Some([inverse, _]) = self.tensor(body) else {
             return 2.0 * self.inv_moment[body] * arm.length_squared();
         };

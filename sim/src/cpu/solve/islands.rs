@@ -87,6 +87,9 @@ pub fn solve(op: &BodyOperator, slow: &Slow, gamma: &mut [DVec3], twist: &[Twist
 /// The moving bodies and the blocks of each island that has slow blocks and can be solved.
 fn islands(op: &BodyOperator, slow: &Slow, twist: &[Twist]) -> Vec<(Vec<u32>, Vec<u32>)> {
     const NONE: u32 = u32::MAX;
+    if twist.iter().all(|t| t.v.length_squared() <= slow.speeds[0] * slow.speeds[0]) {
+        return vec![];
+    }
     let n_bodies = op.masses.inv_mass.len();
     let moves = |b: &u32| op.masses.inv_mass[*b as usize] > 0.0;
     let ends = |block: u32| op.contacts.bodies[slow.all.contacts(block).start];
@@ -161,18 +164,14 @@ struct Step {
 
 impl Contact {
     fn new(op: &BodyOperator, i: usize, gamma: DVec3, twist: &[Twist]) -> Contact {
-        let (masses, [a, b]) = (op.masses, op.contacts.bodies[i].map(|b| b as usize));
         let (arms, normal) = (op.contacts.arms(i), op.contacts.normal[i]);
-        let turning = masses.rotational_trace(a, arms[0]) + masses.rotational_trace(b, arms[1]);
         let friction = op.law(i).friction.max(LEAST_FRICTION);
         let (u, w) = tangents(normal);
         let frame = DMat3::from_cols(normal / friction, u, w).transpose();
-        let response = masses.inv_mass[a] + masses.inv_mass[b] + turning / 3.0;
+        let response = op.masses.trace(op.contacts.bodies[i].map(|b| b as usize), arms) / 3.0;
         let compliance = COMPLIANCE * response * DVec3::new(friction.powi(-2), 1.0, 1.0);
         let along = frame * gamma;
         Contact {
-            anchor: DVec3::new(along.x * friction * friction, along.y, along.z),
-            compliance,
             id: i as u32,
             frame,
             arms,
@@ -180,6 +179,8 @@ impl Contact {
             friction,
             first: gamma,
             start: frame * op.relative(i, |b| twist[b]),
+            anchor: DVec3::new(along.x * friction * friction, along.y, along.z),
+            compliance,
             slip: 0.0,
             z: DVec3::ZERO,
             s: DVec3::ZERO,
@@ -274,11 +275,11 @@ impl Island {
     /// Solve. Returns whether it is solved.
     fn solve(&mut self, op: &BodyOperator, slow: &Slow) -> bool {
         let n = self.mass.len();
-        let pairs: Vec<[u32; 2]> = self.blocks.iter().filter_map(|(_, [a, b])| Some([(*a)?, (*b)?])).collect();
+        let ends: Vec<Ends> = self.blocks.iter().map(|(_, ends)| *ends).collect();
         // The elements of the matrix: the bodies, and the blocks.
         let mut elements: Vec<Vec<u32>> = (0..n as u32).map(|b| vec![b]).collect();
-        elements.extend(self.blocks.iter().map(|(_, ends)| ends.iter().flatten().copied().collect()));
-        let mut factor = Factor::new(Structure::analyse(&vec![6; n], n, &dissection(n, &pairs), &mut elements));
+        elements.extend(ends.iter().map(|ends| ends.iter().flatten().copied().collect()));
+        let mut factor = Factor::new(Structure::analyse(&vec![6; n], n, &dissection(n, &ends), &mut elements));
         if factor.work() > WORK * self.contacts.len() as u64 {
             return false;
         }

@@ -32,7 +32,8 @@ impl Graph {
         self.weight.len()
     }
 
-    fn around(&self, v: usize) -> &[[u32; 2]] {
+    /// Neighbours of a vertex, and the weights of the edges to them.
+    pub fn around(&self, v: usize) -> &[[u32; 2]] {
         &self.near[self.start[v] as usize..self.start[v + 1] as usize]
     }
 

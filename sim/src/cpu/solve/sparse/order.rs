@@ -15,50 +15,29 @@ pub fn order(n_bodies: usize, ends: &[[Option<u32>; 2]]) -> Vec<u32> {
     order
 }
 
-/// Order the vertices of a graph by nested dissection: those of one half that have neighbours in the other come after all others.
-pub fn dissection(n: usize, edges: &[[u32; 2]]) -> Vec<u32> {
-    /// Vertices that are not divided any more.
+/// Order bodies, the groups between which couple them, by nested dissection: those of one half that have neighbours in the other come after
+/// all others. `ends` are as those of [`order`].
+pub fn dissection(n_bodies: usize, ends: &[[Option<u32>; 2]]) -> Vec<u32> {
+    /// Bodies that are not divided any more.
     const LEAST: usize = 4;
-    const NONE: u32 = u32::MAX;
-    let mut start = vec![0u32; n + 1];
-    edges.as_flattened().iter().for_each(|v| start[*v as usize + 1] += 1);
-    (0..n).for_each(|v| start[v + 1] += start[v]);
-    let (mut next, mut near) = (start.clone(), vec![0u32; 2 * edges.len()]);
-    for [a, b] in edges {
-        for (v, other) in [(a, b), (b, a)] {
-            near[next[*v as usize] as usize] = *other;
-            next[*v as usize] += 1;
-        }
-    }
-    let around = |v: u32| &near[start[v as usize] as usize..start[v as usize + 1] as usize];
-    let mut number = vec![NONE; n];
-    let mut from_end = Vec::with_capacity(n);
-    let mut parts: Vec<Vec<u32>> = vec![(0..n as u32).collect()];
+    let at = Incidence::of(n_bodies, ends);
+    let mut number = vec![u32::MAX; n_bodies];
+    let mut from_end = Vec::with_capacity(n_bodies);
+    let mut parts: Vec<Vec<u32>> = vec![(0..n_bodies as u32).collect()];
     while let Some(part) = parts.pop() {
         if part.len() <= LEAST {
             from_end.extend(part);
             continue;
         }
-        part.iter().enumerate().for_each(|(i, v)| number[*v as usize] = i as u32);
-        let mut graph = Graph { start: vec![0], near: vec![], weight: vec![1; part.len()] };
-        for v in &part {
-            let inside = around(*v).iter().map(|w| number[*w as usize]).filter(|w| *w != NONE);
-            graph.near.extend(inside.map(|w| [w, 1]));
-            graph.start.push(graph.near.len() as u32);
-        }
+        let graph = graph_of(&part, &at, ends, &mut number);
         let side = graph.bisect();
-        let crosses = |i: usize| {
-            graph.near[graph.start[i] as usize..graph.start[i + 1] as usize]
-                .iter()
-                .any(|[w, _]| side[*w as usize] != side[i])
-        };
+        let crosses = |i: usize| graph.around(i).iter().any(|[w, _]| side[*w as usize] != side[i]);
         let border = |of: bool| (0..part.len()).filter(|i| side[*i] == of && crosses(*i)).count();
         let of = border(true) < border(false);
         let mut halves = [vec![], vec![]];
-        for (i, v) in part.iter().enumerate() {
-            if side[i] == of && crosses(i) { from_end.push(*v) } else { halves[side[i] as usize].push(*v) }
+        for (i, b) in part.iter().enumerate() {
+            if side[i] == of && crosses(i) { from_end.push(*b) } else { halves[side[i] as usize].push(*b) }
         }
-        part.iter().for_each(|v| number[*v as usize] = NONE);
         parts.extend(halves.into_iter().filter(|half| !half.is_empty()));
     }
     from_end.reverse();

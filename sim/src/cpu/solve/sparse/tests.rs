@@ -239,7 +239,8 @@ fn dissection_orders_all_vertices_and_separates_halves() {
     let across = (0..columns).flat_map(|c| (0..rows - 1).map(move |r| [at(r, c), at(r + 1, c)]));
     let edges: Vec<[u32; 2]> = along.chain(across).collect();
     let n = (rows * columns) as usize + 2;
-    let order = dissection(n, &edges);
+    let ends: Vec<[Option<u32>; 2]> = edges.iter().map(|edge| edge.map(Some)).collect();
+    let order = dissection(n, &ends);
     let mut sorted = order.clone();
     sorted.sort_unstable();
     assert!(sorted.iter().enumerate().all(|(i, v)| i == *v as usize) && sorted.len() == n);
