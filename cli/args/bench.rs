@@ -139,7 +139,7 @@ pub struct BenchGpuArgs {
     #[arg(long)]
     pub small: bool,
     /// Time for all of it, s: what is expected to take longer is left out.
-    #[arg(long, value_name = "S", default_value_t = 460, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, default_value_t = 460, value_name = "SECONDS", value_parser = whole::<u64>(1..=86_400))]
     pub seconds: u64,
     /// File of the JSON so far, written whole after each row.
     #[arg(long, value_name = "FILE")]
