@@ -36,7 +36,7 @@ S $spheres,contact_write: pairs held,$pairs,24,contact_find,8
 S $spheres,contact_write: contacts,$contacts,72,contact_write,3
 S $spheres,Jacobi iteration,$contacts,202,jacobi_contact jacobi_body,2
 S $spheres,APGD trial,$contacts,257,apgd_contact apgd_body,4
-S $spheres,Gauss–Seidel pass of two sweeps,$contacts,148,tile_sweep,5
+S $spheres,Gauss–Seidel pass of four sweeps,$contacts,148,tile_sweep,5
 ROWS
     done
     cat <<'ROWS'

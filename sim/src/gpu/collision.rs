@@ -210,11 +210,11 @@ impl Collision {
         self.pair_order.sides()
     }
 
-    /// Record the colours of the pairs in tiles that touch, unless these have lasting ones.
+    /// Record the visits to the pairs in tiles that touch, unless these have lasting ones.
     pub fn record_touching(&self, device: &Device, c: &mut Commands) {
         let [_, place] = self.of_pairs();
         if let Some(tiles) = &self.tiles {
-            tiles.record_touching(device, c, (&self.pairs, place));
+            tiles.record_touching(device, c, (&self.bodies, &self.spheres, &self.fixtures), (&self.pairs, place));
         }
     }
 

@@ -188,7 +188,8 @@ impl ContactSolve {
                 (Columns::Apgd(Box::new(method)), apgd::BYTES)
             }
         };
-        let sweeps = if let Columns::GaussSeidel(_) = method { gauss_seidel::SWEEPS } else { 1 };
+        let is_swept = matches!(method, Columns::GaussSeidel(_));
+        let sweeps = if is_swept { gauss_seidel::SWEEPS[problem.layout.narrow as usize] } else { 1 };
         let bytes = bytes / f64::from(sweeps);
         let (settings, fall) = (settings.clone(), model.gravity.length() * model.step);
         Ok(ContactSolve { problem, method, landing, exact, settings, fall, bytes, sweeps, n_last: None })

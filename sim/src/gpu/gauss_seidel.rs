@@ -6,8 +6,8 @@
 //! in     row       [n_contacts]
 //! inout  gamma     [n_contacts]  N s, world
 //! inout  motion    [n_bodies]    m/s, rad/s
-//! Kernels: tile_start.wgsl, tile_order.wgsl, tile_visits.wgsl, tile_sweep.wgsl, rest_sweep.wgsl and tile_end.wgsl for spheres, visit_write.wgsl,
-//! tile_manifolds.wgsl and rest_manifolds.wgsl for shapes of any kind, joint_response.wgsl, tile_decide.wgsl, closing.wgsl and
+//! Kernels: tile_start.wgsl, tile_visits.wgsl, tile_sweep.wgsl, tile_sweep_later.wgsl, rest_sweep.wgsl and tile_end.wgsl for
+//! spheres, visit_write.wgsl, tile_manifolds.wgsl and rest_manifolds.wgsl for shapes of any kind, joint_response.wgsl, tile_decide.wgsl, closing.wgsl and
 //! closing_decide.wgsl. Twin: cpu/solve/sweeps.rs, whose iteration is one sweep; here it is one pass over the contacts in memory. Where a gap
 //! still closes too fast, all tiles are swept again, not those alone in which one does; tiles of slow bodies are swept on alone, as there.
 //!
@@ -28,13 +28,12 @@ use gpu::{Bound, Buffer, Commands, Count, Device, GpuError, Kernel, Kernels, Wor
 /// Bytes of a contact and iteration from memory: of spheres, and of any shapes.
 pub const BYTES: [f64; 2] = [80.0, 117.0];
 
-/// Sweeps of a tile for one pass over its contacts in memory.
-pub const SWEEPS: u32 = 2;
+/// Sweeps of a tile for one pass over its contacts in memory: of spheres, which stay in registers, and of any shapes.
+pub const SWEEPS: [u32; 2] = [4, 2];
 
 /// The columns of the method, and its kernels.
 pub struct GaussSeidel {
     start: Kernel,
-    order_visits: Kernel,
     visits: Visits,
     decide: Kernel,
     closing: Option<Closing>,
@@ -46,10 +45,6 @@ pub struct GaussSeidel {
     moved: Buffer<f32>,
     /// Those of the big tiles (1).
     moved_rest: Buffer<f32>,
-    /// First contact of each tile, number of visits, place of the first body, and numbers of bodies and of colours (n_tiles).
-    tile: Buffer<[u32; 4]>,
-    /// Visits of each tile (n_contacts).
-    order: Buffer<[u32; 2]>,
     /// Workgroups of a dispatch over tiles, and the number of these dispatches, each of them some.
     n_groups: u32,
     n_pieces: u32,
@@ -74,12 +69,16 @@ enum Visits {
     /// Of contacts of spheres.
     Spheres {
         gather: Kernel,
+        /// Of the first round, and of those after it.
         sweep: Kernel,
+        later: Kernel,
         rest: Kernel,
         end: Kernel,
-        /// What the visits of each tile need of their contacts, and their impulses, in their order (n_contacts).
+        /// What the visits of each tile need of their contacts, and their impulses, in their order (n_pairs).
         visits: Buffer<[u32; 12]>,
         impulses: Buffer<[f32; 4]>,
+        /// The tiles in which any pair touches (n_tiles).
+        swept: Buffer<[u32; 4]>,
     },
     /// Of manifolds, the contacts of a pair of any shapes.
     Manifolds {
@@ -92,31 +91,40 @@ enum Visits {
 }
 
 impl Visits {
-    fn new(device: &Device, kernels: &Kernels, problem: &Problem) -> Result<Visits, GpuError> {
+    fn new(device: &Device, kernels: &Kernels, problem: &Problem, tiles: &Tiles) -> Result<Visits, GpuError> {
         let get = |name, text| kernel_of(problem.layout, device, kernels, (name, text));
-        let n_contacts = problem.gamma.capacity();
         Ok(match problem.layout.narrow {
             Narrow::Spheres => Visits::Spheres {
                 gather: get("tile_visits", include_str!("tile_visits.wgsl"))?,
                 sweep: get("tile_sweep", include_str!("tile_sweep.wgsl"))?,
+                later: get("tile_sweep_later", include_str!("tile_sweep_later.wgsl"))?,
                 rest: get("rest_sweep", include_str!("rest_sweep.wgsl"))?,
                 end: get("tile_end", include_str!("tile_end.wgsl"))?,
-                visits: Buffer::zeros(device, "visits", n_contacts)?,
-                impulses: Buffer::zeros(device, "impulses of visits", n_contacts)?,
+                visits: Buffer::zeros(device, "visits", tiles.order.capacity())?,
+                impulses: Buffer::zeros(device, "impulses of visits", tiles.order.capacity())?,
+                swept: Buffer::zeros(device, "swept tiles", tiles.visited.capacity())?,
             },
             Narrow::Any => Visits::Manifolds {
                 write: get("visit_write", include_str!("visit_write.wgsl"))?,
                 sweep: get("tile_manifolds", include_str!("tile_manifolds.wgsl"))?,
                 rest: get("rest_manifolds", include_str!("rest_manifolds.wgsl"))?,
-                visits: Buffer::zeros(device, "visits", n_contacts)?,
+                visits: Buffer::zeros(device, "visits", problem.gamma.capacity())?,
             },
         })
     }
 
-    /// The kernels over tiles and over big tiles.
-    fn sweeps(&self) -> [&Kernel; 2] {
-        let (Visits::Spheres { sweep, rest, .. } | Visits::Manifolds { sweep, rest, .. }) = self;
-        [sweep, rest]
+    /// The kernel over the tiles of a round.
+    fn sweep(&self, round: u32) -> &Kernel {
+        match self {
+            Visits::Spheres { later, .. } if round > 0 => later,
+            Visits::Spheres { sweep, .. } | Visits::Manifolds { sweep, .. } => sweep,
+        }
+    }
+
+    /// The kernel over big tiles.
+    fn rest(&self) -> &Kernel {
+        let (Visits::Spheres { rest, .. } | Visits::Manifolds { rest, .. }) = self;
+        rest
     }
 }
 
@@ -125,12 +133,12 @@ struct Columns {
     place: Buffer<u32>,
     /// Number of rounds.
     rounds: u32,
-    color: Buffer<u32>,
+    tile: Buffer<[u32; 4]>,
+    order: Buffer<[u32; 2]>,
     local: Buffer<u32>,
     first: Buffer<u32>,
     body: Buffer<u32>,
     size: Buffer<[u32; 2]>,
-    is_big: Buffer<u32>,
     big: Buffer<u32>,
     round_start: Buffer<u32>,
     n_big: Count,
@@ -143,12 +151,12 @@ impl Columns {
         let [_, place] = collision.of_pairs();
         Columns {
             place: place.clone(),
-            color: tiles.color.clone(),
+            tile: tiles.visited.clone(),
+            order: tiles.order.clone(),
             local: tiles.local.clone(),
             first: tiles.first.clone(),
             body: tiles.body.clone(),
             size: tiles.size.clone(),
-            is_big: tiles.is_big.clone(),
             big: tiles.big.clone(),
             round_start: tiles.round_start.clone(),
             rounds: tiles.rounds,
@@ -184,23 +192,19 @@ impl GaussSeidel {
         let omega = settings.omega.unwrap_or(1.0).min(if most.is_some() { 1.0 } else { f64::INFINITY });
         let columns = Columns::of(collision, tiles);
         let (n_groups, n_pieces) = tiles.pieces();
-        let n_contacts = problem.gamma.capacity();
         Ok(GaussSeidel {
             closing: most.map(closing).transpose()?,
             settling: settling.filter(|_| problem.layout.narrow == Narrow::Any),
             start: get("tile_start", include_str!("tile_start.wgsl"))?,
-            order_visits: get("tile_order", include_str!("tile_order.wgsl"))?,
-            visits: Visits::new(device, kernels, problem)?,
+            visits: Visits::new(device, kernels, problem, tiles)?,
             decide: get("tile_decide", include_str!("tile_decide.wgsl"))?,
             work: Buffer::zeros(device, "work of tiles", 2)?,
             moved: Buffer::zeros(device, "moved", tiles.first.capacity())?,
             moved_rest: Buffer::zeros(device, "moved", 1)?,
-            tile: Buffer::zeros(device, "tiles", tiles.first.capacity())?,
-            order: Buffer::zeros(device, "order of visits", n_contacts)?,
             n_groups,
             n_pieces,
             columns,
-            params: [SWEEPS, is_exact, bits(omega)],
+            params: [SWEEPS[problem.layout.narrow as usize], is_exact, bits(omega)],
             tolerance: settings.tolerance,
         })
     }
@@ -218,28 +222,11 @@ impl GaussSeidel {
         let bound = [problem.scalars.bind(), self.work.bind(), problem.n_contacts.n.bind()];
         let params = [settings.iterations.unwrap_or(0)];
         commands.dispatch(device, &self.start, &bound, &params, Work::Groups(1));
-        let of_tiles = [c.first.bind(), c.body.bind(), c.size.bind(), c.is_big.bind(), c.round_start.bind()];
-        let counts = [c.n_tiles.n.bind(), c.n_pairs.n.bind()];
-        let out = [c.color.bind(), self.tile.bind(), self.order.bind()];
-        let bound: Vec<Bound> = [c.place.bind(), c.local.bind()]
-            .into_iter()
-            .chain(of_tiles)
-            .chain(counts)
-            .chain([problem.row()])
-            .chain(out)
-            .collect();
-        let by_contact = matches!(self.visits, Visits::Spheres { .. }) as u32;
-        for piece in 0..self.n_pieces {
-            let params = [by_contact, piece, self.n_pieces, c.rounds];
-            commands.dispatch(device, &self.order_visits, &bound, &params, Work::Groups(self.n_groups));
-        }
-        if let Visits::Spheres { gather, visits, impulses, .. } = &self.visits {
+        if let Visits::Spheres { gather, visits, impulses, swept, .. } = &self.visits {
+            let of_tiles = [c.tile.bind(), c.order.bind(), c.place.bind(), c.round_start.bind()];
             let of_contacts = [problem.row(), problem.motion.bind(), problem.gamma.bind()];
-            let bound: Vec<Bound> = [self.tile.bind(), self.order.bind(), c.round_start.bind()]
-                .into_iter()
-                .chain(of_contacts)
-                .chain([visits.bind(), impulses.bind()])
-                .collect();
+            let out = [visits.bind(), impulses.bind(), swept.bind()];
+            let bound: Vec<Bound> = of_tiles.into_iter().chain(of_contacts).chain(out).collect();
             self.over_tiles(device, commands, (gather, &bound, &[self.params[1]]));
         }
         if let Visits::Manifolds { write, visits, .. } = &self.visits {
@@ -252,18 +239,19 @@ impl GaussSeidel {
     /// Record the end: the impulses of the contacts are those of their visits.
     pub fn record_end(&self, device: &Device, commands: &mut Commands, problem: &Problem) {
         if let Visits::Spheres { end, impulses, .. } = &self.visits {
-            let of_tiles = [self.tile.bind(), self.order.bind(), impulses.bind(), self.columns.round_start.bind()];
-            let bound: Vec<Bound> = of_tiles.into_iter().chain([problem.gamma.bind()]).collect();
+            let c = &self.columns;
+            let of_tiles = [c.tile.bind(), c.order.bind(), c.place.bind()];
+            let out = [impulses.bind(), c.round_start.bind(), problem.gamma.bind()];
+            let bound: Vec<Bound> = of_tiles.into_iter().chain(out).collect();
             self.over_tiles(device, commands, (end, &bound, &[]));
         }
     }
 
     /// Record a kernel over all tiles, whose parameters begin with the index of its dispatch, their number and that of the rounds.
     fn over_tiles(&self, device: &Device, commands: &mut Commands, (kernel, bound, more): (&Kernel, &[Bound], &[u32])) {
-        let n_pieces = self.n_pieces;
-        for piece in 0..n_pieces {
+        for piece in 0..self.n_pieces {
             let params: Vec<u32> =
-                [piece, n_pieces, self.columns.rounds].into_iter().chain(more.iter().copied()).collect();
+                [piece, self.n_pieces, self.columns.rounds].into_iter().chain(more.iter().copied()).collect();
             commands.dispatch(device, kernel, bound, &params, Work::Groups(self.n_groups));
         }
     }
@@ -286,7 +274,7 @@ impl GaussSeidel {
     /// Record a round of an iteration.
     pub fn record_round(&self, device: &Device, commands: &mut Commands, problem: &Problem, round: u32) {
         let [of_sweep, _] = self.bound(problem);
-        let ([sweeps, is_exact, omega], [sweep, _]) = (self.params, self.visits.sweeps());
+        let ([sweeps, is_exact, omega], sweep) = (self.params, self.visits.sweep(round));
         let settling = self.settling();
         // The law of spheres is in their visits.
         let n_params = if matches!(self.visits, Visits::Spheres { .. }) { 5 } else { 8 };
@@ -304,7 +292,7 @@ impl GaussSeidel {
         let scalars = problem.scalars.bind();
         let moved = [self.moved.bind(), self.moved_rest.bind()];
         let of_decision = [moved[0], moved[1], scalars, self.work.bind(), counts[0], counts[1]];
-        let ([_, rest], settling) = (self.visits.sweeps(), self.settling());
+        let (rest, settling) = (self.visits.rest(), self.settling());
         let n_params = if matches!(self.visits, Visits::Spheres { .. }) { 7 } else { 10 };
         // Without joints the last kernel decides whether another iteration follows.
         let beyond = if self.settling.is_some() { SolverSettings::BEYOND } else { 0 };
@@ -339,23 +327,25 @@ impl GaussSeidel {
         let (row, motion, gamma, scalars) =
             (problem.row(), problem.motion.bind(), problem.gamma.bind(), problem.scalars.bind());
         let (moved, moved_rest) = (self.moved.bind(), self.moved_rest.bind());
-        let (place, order, first, size) = (c.place.bind(), self.order.bind(), c.first.bind(), c.size.bind());
+        let (place, first, size) = (c.place.bind(), c.first.bind(), c.size.bind());
         let (n_tiles, n_pairs) = (c.n_tiles.n.bind(), c.n_pairs.n.bind());
-        let of_tiles = [self.tile.bind(), c.body.bind(), c.round_start.bind(), motion];
+        let of_tiles = [c.body.bind(), c.round_start.bind(), motion];
         let of_decision = [moved, c.round_start.bind(), self.work.bind(), problem.n_contacts.n.bind(), scalars];
         let of_big = [c.local.bind(), c.body.bind(), first, size, c.big.bind(), c.n_big.n.bind(), n_tiles, n_pairs];
         let [mass, orientation] = problem.inertia();
         let [roll, roll_row] = problem.rolling();
         match &self.visits {
-            Visits::Spheres { visits, impulses, .. } => {
-                let sweep = [visits.bind()].into_iter().chain(of_tiles).chain([impulses.bind(), moved, scalars]);
+            Visits::Spheres { visits, impulses, swept, .. } => {
+                let sweep =
+                    [visits.bind(), swept.bind()].into_iter().chain(of_tiles).chain([impulses.bind(), moved, scalars]);
                 let rest = [row, place].into_iter().chain(of_big);
                 [sweep.collect(), rest.chain([motion, gamma, moved_rest]).chain(of_decision).collect()]
             }
             Visits::Manifolds { visits, .. } => {
                 let own = [row, visits.bind(), place];
                 let of_bodies = [mass, orientation, roll, roll_row];
-                let sweep = own.into_iter().chain([order]).chain(of_tiles).chain([gamma, moved]);
+                let sweep =
+                    own.into_iter().chain([c.order.bind(), c.tile.bind()]).chain(of_tiles).chain([gamma, moved]);
                 let rest = own.into_iter().chain(of_big).chain([motion, gamma, moved_rest]);
                 let sweep = sweep.chain(of_bodies).chain([scalars]);
                 [sweep.collect(), rest.chain(of_bodies).chain(of_decision).collect()]

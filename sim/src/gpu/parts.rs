@@ -39,6 +39,7 @@ const PARTS: &[Part<'static>] = parts!(
     "scalars",
     "visit",
     "tile_bodies",
+    "tile_spheres",
     "settling",
     "tile_listed",
     "tile_decided",

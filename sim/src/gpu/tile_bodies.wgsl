@@ -1,11 +1,11 @@
-// The memory of the workgroups that sweep tiles, and the tiles of a round, which each of them sweeps one after the other: with `THREADS`, `sweep_tile` and
-// `is_due`, whether a tile is swept in this iteration, of the kernel and its columns `round_start`, `tiles`, `moved`, `scalars` and `params`.
-#import tile_most
+// The memory of the workgroups that sweep tiles, and the tiles of a round, which each of them sweeps one after the other: with `THREADS`, `ROOM`, the most
+// bodies of a tile, `sweep_tile` and `is_due`, whether a tile is swept in this iteration, of the kernel and its columns `round_start`, `tiles`, `moved`,
+// `scalars` and `params`.
 
 // Velocities of the tile's bodies with their reciprocal masses, and angular velocities; of spheres with reciprocal moments of inertia. The last
 // is a body that is held, all of whose numbers are zero.
-var<workgroup> linear: array<vec4<f32>, MOST_BODIES + 1>;
-var<workgroup> angular: array<vec4<f32>, MOST_BODIES + 1>;
+var<workgroup> linear: array<vec4<f32>, ROOM + 1>;
+var<workgroup> angular: array<vec4<f32>, ROOM + 1>;
 
 var<workgroup> sums: array<f32, THREADS>;
 

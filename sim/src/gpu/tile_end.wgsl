@@ -1,16 +1,18 @@
 // The impulses of the visits of each tile are those of its contacts, a workgroup for each tile.
-// in   tiles       [n_tiles]     first contact, number of visits, place of the first body in the list, numbers of bodies and of colours
-// in   order       [n_contacts]  of `tile_color`
-// in   impulses    [n_contacts]  of the visits: N s, world
+// in   tiles       [n_tiles]     of `tile_order`
+// in   order       [n_pairs]     of `tile_order`
+// in   place       [n_pairs + 1] number of contacts of the pairs before each pair
+// in   impulses    [n_pairs]     of the visits: N s, world
 // in   round_start [10]          first tile of each round
 // out  gamma       [n_contacts]  N s, world
 // in   params      [3]           the index of this dispatch and the number of dispatches; number of rounds
 @group(0) @binding(0) var<storage, read> tiles: array<vec4<u32>>;
 @group(0) @binding(1) var<storage, read> order: array<vec2<u32>>;
-@group(0) @binding(2) var<storage, read> impulses: array<vec4<f32>>;
-@group(0) @binding(3) var<storage, read> round_start: array<u32>;
-@group(0) @binding(4) var<storage, read_write> gamma: array<vec4<f32>>;
-@group(0) @binding(5) var<storage, read> params: array<u32>;
+@group(0) @binding(2) var<storage, read> place: array<u32>;
+@group(0) @binding(3) var<storage, read> impulses: array<vec4<f32>>;
+@group(0) @binding(4) var<storage, read> round_start: array<u32>;
+@group(0) @binding(5) var<storage, read_write> gamma: array<vec4<f32>>;
+@group(0) @binding(6) var<storage, read> params: array<u32>;
 
 @compute @workgroup_size(256)
 fn main(
@@ -19,10 +21,12 @@ fn main(
     @builtin(local_invocation_index) thread: u32,
 ) {
     for (var tile = group.x * params[1] + params[0]; tile < round_start[params[2]]; tile += groups.x * params[1]) {
-        let base = tiles[tile].x;
-        let end = base + tiles[tile].y;
-        for (var i = base + thread; i < end; i += 256u) {
-            gamma[base + (order[i].x & 0xffffu)] = impulses[i];
+        let first = tiles[tile].x;
+        for (var i = thread; i < tiles[tile].y; i += 256u) {
+            let pair = first + (order[first + i].x & 0xffffu);
+            if place[pair + 1u] > place[pair] {
+                gamma[place[pair]] = impulses[first + i];
+            }
         }
     }
 }

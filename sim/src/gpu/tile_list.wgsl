@@ -13,8 +13,8 @@
 // out  tile_body   [2 n_pairs]  bodies of each tile, from twice its first pair on
 // out  tile_size   [n_tiles]    number of bodies
 // out  is_big      [n_tiles]
-// in   params      [3]          the index of this dispatch, the number of dispatches, and that of the rounds whose tiles are swept by workgroups of
-//                               their own
+// in   params      [4]          the index of this dispatch, the number of dispatches, and that of the rounds whose tiles are swept by workgroups of
+//                               their own; the most bodies of a tile in those after the first
 // Twin: cpu/solve/schedule.rs
 #import side
 #import tile_most
@@ -117,7 +117,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     workgroupBarrier();
     if thread == 0u {
-        is_full = select(0u, 1u, atomicLoad(&n_bodies) > MOST_BODIES || atomicLoad(&has_failed) == 1u);
+        let most = select(params[3], MOST_BODIES, tile < round_start[1]);
+        is_full = select(0u, 1u, atomicLoad(&n_bodies) > most || atomicLoad(&has_failed) == 1u);
         is_big[tile] = is_full;
         tile_size[tile] = vec2(atomicLoad(&n_bodies), 0u);
     }

@@ -4,10 +4,10 @@
 // in    rows         [n_contacts]
 // in    visits       [n_contacts]
 // in    place        [n_pairs + 1] number of contacts of the pairs before each pair
-// in    order        [n_contacts]  visits of each tile, from its first contact on: the pair, from the tile's first on, and its colour; the places
-//                                  of A and B in the tile's list
-// in    tiles        [n_tiles]     first contact, number of visits, place of the first body in the list, which is twice the first pair, and numbers
-//                                  of bodies and of colours
+// in    order        [n_pairs]     visits of each tile, from its first pair on: the pair, from the tile's first on, and its colour; the places of A
+//                                  and B in the tile's list
+// in    tiles        [n_tiles]     first pair, number of visits, place of the first body in the list, which is twice the first pair, and numbers of
+//                                  bodies and of colours
 // in    tile_body    [2 n_pairs]   bodies of each tile
 // in    round_start  [10]          first tile of each round
 // inout motion       [n_bodies]    m/s, rad/s
@@ -25,6 +25,7 @@
 #import sphere
 #import manifold
 #import scalars
+#import tile_most
 #import tile_bodies
 #import settling
 
@@ -46,6 +47,7 @@
 @group(0) @binding(15) var<storage, read> params: array<u32>;
 
 const THREADS: u32 = 128u;
+const ROOM: u32 = MOST_BODIES;
 // The place of a body that is held.
 const NOWHERE: u32 = 0xffffu;
 // A visit of no colour.
@@ -113,12 +115,11 @@ fn is_due(tile: u32) -> bool {
 }
 
 fn sweep_tile(tile: u32, thread: u32) {
-    let base = tiles[tile].x;
+    let first = tiles[tile].x;
     let n = tiles[tile].y;
     let first_body = tiles[tile].z;
     let n_bodies = tiles[tile].w & 0xffffu;
     let n_colors = tiles[tile].w >> 16u;
-    let first = first_body / 2u;
     workgroupBarrier();
     for (var i = thread; i < n_bodies; i += THREADS) {
         let body = motion[tile_body[first_body + i]];
@@ -129,7 +130,7 @@ fn sweep_tile(tile: u32, thread: u32) {
     var own_visit = vec2(NONE);
     var own: Pair;
     if thread < n {
-        own_visit = order[base + thread];
+        own_visit = order[first + thread];
         own = pair_of(own_visit, first);
     }
     let is_exact = params[5] == 1u;
@@ -143,7 +144,7 @@ fn sweep_tile(tile: u32, thread: u32) {
                 term += select(0.0, of_pair, sweep == 0u);
             }
             for (var i = THREADS + thread; i < n; i += THREADS) {
-                let visit = order[base + i];
+                let visit = order[first + i];
                 if visit.x >> 16u == color {
                     let of_pair = visit_pair(pair_of(visit, first), is_exact, omega);
                     term += select(0.0, of_pair, sweep == 0u);

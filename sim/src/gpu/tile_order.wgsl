@@ -1,42 +1,43 @@
-// Order the visits to the pairs of each tile that touch in this step, a workgroup for each: colour after colour, those of a colour in the order of
-// the pairs.
-// in    place       [n_pairs + 1] number of contacts of the pairs before each pair
+// Order the visits to the pairs of each tile, a workgroup for each: colour after colour, those of a colour in the order of the pairs. All are ordered
+// where they are found, or in each step those that touch.
+// in    place       [n_pairs + 1] number of contacts of the pairs before each pair, where those that touch are ordered
 // in    local       [n_pairs]     places of the two bodies in the tile's list, 16 bits each; all ones for one that is held
 // in    tile_first  [n_tiles]     first pair of each tile
-// in    tile_body   [2 n_pairs]   bodies of each tile, from twice its first pair on
 // in    tile_size   [n_tiles]     number of bodies
 // in    is_big      [n_tiles]
 // in    round_start [10]          first tile of each round
 // in    counts      [2]           n_tiles, n_pairs
-// in    rows        [n_contacts]
+// in    due         [1]           not zero if there is anything to do
+// in    pairs       [n_pairs]
+// in    sphere      [n_spheres]
+// in    fixture     [n_fixtures]
 // in    color       [n_pairs]     of `tile_color`
-// out   tiles       [n_tiles]     first contact, number of visits, place of the first body in the list, and numbers of bodies (16 bits) and of
-//                                 colours (16 bits); zeros for a big one
-// out   order       [n_contacts]  visits of each tile, from its first contact on: the pair, from the tile's first on (16 bits), and its colour, of
-//                                 those that there are (16 bits); the places of A and B of its contacts (16 bits each)
-// in    params      [4]           whether it is the first contact of the pair, from the tile's first on, that stands for it; the index of this
-//                                 dispatch and the number of dispatches; number of rounds
+// out   tiles       [n_tiles]     first pair, number of visits, place of the first body in the list, and numbers of bodies (16 bits) and of colours
+//                                 (16 bits); zeros for a big one
+// out   order       [n_pairs]     visits of each tile, from its first pair on: the pair, from the tile's first on (16 bits), and its colour, of those
+//                                 that there are (16 bits); the places of A and B of its contacts (16 bits each)
+// in    params      [4]           whether all pairs are ordered; the index of this dispatch and the number of dispatches; number of rounds
 // Twin: cpu/solve/schedule.rs
-#import sphere
-#import solve_row
+#import side
 #import tile_listed
 
 @group(0) @binding(0) var<storage, read> place: array<u32>;
 @group(0) @binding(1) var<storage, read> local: array<u32>;
 @group(0) @binding(2) var<storage, read> tile_first: array<u32>;
-@group(0) @binding(3) var<storage, read> tile_body: array<u32>;
-@group(0) @binding(4) var<storage, read> tile_size: array<vec2<u32>>;
-@group(0) @binding(5) var<storage, read> is_big: array<u32>;
-@group(0) @binding(6) var<storage, read> round_start: array<u32>;
-@group(0) @binding(7) var<storage, read> n_tiles: array<u32>;
-@group(0) @binding(8) var<storage, read> n_pairs: array<u32>;
-@group(0) @binding(9) var<storage, read> rows: array<Row>;
-@group(0) @binding(10) var<storage, read> color: array<u32>;
-@group(0) @binding(11) var<storage, read_write> tiles: array<vec4<u32>>;
-@group(0) @binding(12) var<storage, read_write> order: array<vec2<u32>>;
-@group(0) @binding(13) var<storage, read> params: array<u32>;
+@group(0) @binding(3) var<storage, read> tile_size: array<vec2<u32>>;
+@group(0) @binding(4) var<storage, read> is_big: array<u32>;
+@group(0) @binding(5) var<storage, read> round_start: array<u32>;
+@group(0) @binding(6) var<storage, read> n_tiles: array<u32>;
+@group(0) @binding(7) var<storage, read> n_pairs: array<u32>;
+@group(0) @binding(8) var<storage, read> due: array<u32>;
+@group(0) @binding(9) var<storage, read> pairs: array<vec2<u32>>;
+@group(0) @binding(10) var<storage, read> sphere: array<Sphere>;
+@group(0) @binding(11) var<storage, read> fixture: array<Fixture>;
+@group(0) @binding(12) var<storage, read> color: array<u32>;
+@group(0) @binding(13) var<storage, read_write> tiles: array<vec4<u32>>;
+@group(0) @binding(14) var<storage, read_write> order: array<vec2<u32>>;
+@group(0) @binding(15) var<storage, read> params: array<u32>;
 
-const NOWHERE: u32 = 0xffffu;
 // Words with a bit for each pair that is listed.
 const WORDS: u32 = 64u;
 
@@ -46,19 +47,10 @@ var<workgroup> has_color: array<atomic<u32>, 2112>;
 var<workgroup> color_first: array<u32, 33>;
 var<workgroup> color_index: array<u32, 33>;
 
-// The bodies' places of the pair of an index, as its contacts have them: the pair has its moving shape first, a contact the body of the
-// lower id.
-fn places_of(pair: u32, of_tile: u32) -> u32 {
-    let own = vec2(local[pair] & 0xffffu, local[pair] >> 16u);
-    let x_moves = own.x != NOWHERE;
-    let is_a = tile_body[of_tile + select(own.y, own.x, x_moves)] == rows[place[pair]].bodies.x;
-    let ordered = select(own.yx, own, is_a == x_moves);
-    return ordered.x | (ordered.y << 16u);
-}
-
-// What stands for a pair.
-fn visited(first: u32, k: u32) -> u32 {
-    return select(k, place[first + k] - place[first], params[0] == 1u);
+// The places of the bodies of a pair, that of the lower id first, as its contacts have them.
+fn places_of(pair: u32) -> u32 {
+    let is_swapped = side_of(pairs[pair].x).body > side_of(pairs[pair].y).body;
+    return select(local[pair], (local[pair] >> 16u) | (local[pair] << 16u), is_swapped);
 }
 
 // Number of bits of a colour before one.
@@ -77,27 +69,26 @@ fn n_of_color_before(c: u32, at: u32) -> u32 {
 fn list_all(first: u32, end: u32) {
     var n = 0u;
     for (var k = first; k < end; k++) {
-        if place[k + 1u] > place[k] {
-            order[place[first] + n] = vec2(visited(first, k - first) | (n << 16u), places_of(k, 2u * first));
+        if is_listed(k) {
+            order[first + n] = vec2((k - first) | (n << 16u), places_of(k));
             n++;
         }
     }
 }
 
 fn is_listed(pair: u32) -> bool {
-    return place[pair + 1u] > place[pair];
+    return params[0] == 1u || place[pair + 1u] > place[pair];
 }
 
 fn order_tile(tile: u32, thread: u32) {
     let first = tile_first[tile];
     let end = select(n_pairs[0], tile_first[min(tile + 1u, arrayLength(&tile_first) - 1u)], tile + 1u < n_tiles[0]);
-    let base = place[first];
     let n_bodies = tile_size[tile].x;
     let n = list_pairs(first, end, thread);
     if n > MOST {
         if thread == 0u {
             list_all(first, end);
-            tiles[tile] = vec4(base, n, 2u * first, n_bodies | (n << 16u));
+            tiles[tile] = vec4(first, n, 2u * first, n_bodies | (n << 16u));
         }
         return;
     }
@@ -126,7 +117,7 @@ fn order_tile(tile: u32, thread: u32) {
             before += own_number;
             n_colors += select(min(own_number, 1u), own_number, c == MOST_COLORS);
         }
-        tiles[tile] = vec4(base, n, 2u * first, n_bodies | (n_colors << 16u));
+        tiles[tile] = vec4(first, n, 2u * first, n_bodies | (n_colors << 16u));
     }
     workgroupBarrier();
     for (var at = thread; at < n; at += THREADS) {
@@ -134,7 +125,7 @@ fn order_tile(tile: u32, thread: u32) {
         let own = color[first + k];
         let rank = n_of_color_before(own, at);
         let index = color_index[own] + select(0u, rank, own == MOST_COLORS);
-        order[base + color_first[own] + rank] = vec2(visited(first, k) | (index << 16u), places_of(first + k, 2u * first));
+        order[first + color_first[own] + rank] = vec2(k | (index << 16u), places_of(first + k));
     }
 }
 
@@ -144,7 +135,8 @@ fn main(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    for (var tile = group.x * params[2] + params[1]; tile < round_start[params[3]]; tile += groups.x * params[2]) {
+    let end = select(0u, round_start[params[3]], due[0] != 0u);
+    for (var tile = group.x * params[2] + params[1]; tile < end; tile += groups.x * params[2]) {
         if is_big[tile] == 0u {
             order_tile(tile, thread);
         } else if thread == 0u {

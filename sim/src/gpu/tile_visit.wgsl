@@ -2,6 +2,9 @@
 
 #import tile_most
 
+// In place of the last word of one that is not made.
+const NO_VISIT: u32 = 0xffffffffu;
+
 struct TileVisit {
     // Unit normal out of A, and the offset Φ/h of an open gap.
     normal: vec4<f32>,

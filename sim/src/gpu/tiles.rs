@@ -9,7 +9,8 @@
 //! out    tile_body    [2 n_pairs]   bodies of each tile; of a big one, the ends of its colours
 //! out    tile_size    [n_tiles]     number of bodies; of a big one, of pairs without a colour, and of colours
 //! out    big          [n_big]       tiles that do not fit a workgroup
-//! Kernels: tile_due.wgsl, tile_key.wgsl, the sort, tile_pairs.wgsl, the compaction, tile_rounds.wgsl, tile_list.wgsl, tile_color.wgsl, rest_color.wgsl.
+//! Kernels: tile_due.wgsl, tile_key.wgsl, the sort, tile_pairs.wgsl, the compaction, tile_rounds.wgsl, tile_list.wgsl, tile_color.wgsl, tile_order.wgsl,
+//! rest_color.wgsl.
 //! Twin: cpu/pair_write.rs and cpu/solve/schedule.rs, which have two rounds of tiles, and what crosses both.
 
 use super::bin_emit::Bins;
@@ -35,11 +36,18 @@ const LEAST_EDGE: f64 = 2.5;
 const BODIES_OF_GROUP: usize = 128;
 const MOST_GROUPS: usize = 4096;
 
+/// The most bodies of a tile that is not big, and of spheres in the rounds after the first: those of tile_most.wgsl.
+const MOST_BODIES: u32 = 480;
+const MOST_LATER: u32 = 224;
+
 /// Ways to cut space into tiles: four where a quarter of a tile holds any pair, else eight.
 const WAYS: [u32; 2] = [4, 8];
 
 /// Pairs that there is room for, to a dispatch that lists the bodies of tiles, on a software adapter: more would keep it for too long.
 const PIECE: usize = 12_500;
+
+/// The bodies, moving shapes and fixtures of a collision.
+type Shapes<'a> = (&'a Bodies, &'a Spheres, &'a Fixtures);
 
 /// The tiles, with room for as many pairs as there is.
 pub struct Tiles {
@@ -59,6 +67,10 @@ pub struct Tiles {
     pub size: Buffer<[u32; 2]>,
     /// Whether a tile does not fit a workgroup (n_tiles).
     pub is_big: Buffer<u32>,
+    /// First pair of each tile, number of visits, place of the first body, and numbers of bodies and of colours (n_tiles).
+    pub visited: Buffer<[u32; 4]>,
+    /// Visits of each tile (n_pairs).
+    pub order: Buffer<[u32; 2]>,
     /// The big tiles (n_big).
     pub big: Buffer<u32>,
     /// Their number.
@@ -98,6 +110,7 @@ struct TileKernels {
     rounds: Kernel,
     list: Kernel,
     color: Kernel,
+    order: Kernel,
     rest: Kernel,
 }
 
@@ -109,28 +122,40 @@ impl Tiles {
         (self.n_groups.div_ceil(n_pieces), n_pieces)
     }
 
-    /// Record the colours of the pairs that touch, in steps in which there are tiles, unless they have lasting ones.
-    pub fn record_touching(&self, device: &Device, commands: &mut Commands, of: (&Pairs, &Buffer<u32>)) {
-        if !self.is_lasting {
-            self.record_colors(device, commands, of, (&self.n, false));
-        }
-    }
-
-    fn record_colors(
+    /// Record the visits to the pairs that touch, in steps in which there are tiles, unless they have lasting ones.
+    pub fn record_touching(
         &self,
         device: &Device,
         commands: &mut Commands,
+        shapes: Shapes,
+        of: (&Pairs, &Buffer<u32>),
+    ) {
+        if !self.is_lasting {
+            self.record_visits(device, commands, shapes, of, (&self.n, false));
+        }
+    }
+
+    /// Record the colours of pairs, and their visits in the order of these.
+    fn record_visits(
+        &self,
+        device: &Device,
+        commands: &mut Commands,
+        (_, at, fixtures): Shapes,
         (pairs, place): (&Pairs, &Buffer<u32>),
         (due, are_all): (&Count, bool),
     ) {
         let (n_groups, n_pieces) = self.pieces();
         let of_tiles = [self.first.bind(), self.size.bind(), self.is_big.bind(), self.round_start.bind()];
         let counts = [self.n.n.bind(), pairs.n.n.bind(), due.n.bind()];
-        let from = [place.bind(), self.local.bind()];
-        let bound: Vec<Bound> = from.into_iter().chain(of_tiles).chain(counts).chain([self.color.bind()]).collect();
-        for piece in 0..n_pieces {
-            let params = [are_all as u32, piece, n_pieces, self.rounds];
-            commands.dispatch(device, &self.kernels.color, &bound, &params, Work::Groups(n_groups));
+        let from = [place.bind(), self.local.bind()].into_iter().chain(of_tiles).chain(counts);
+        let colored: Vec<Bound> = from.clone().chain([self.color.bind()]).collect();
+        let of_pairs = [pairs.pairs.bind(), at.sphere.bind(), fixtures.fixture.bind(), self.color.bind()];
+        let ordered: Vec<Bound> = from.chain(of_pairs).chain([self.visited.bind(), self.order.bind()]).collect();
+        for (kernel, bound) in [(&self.kernels.color, colored), (&self.kernels.order, ordered)] {
+            for piece in 0..n_pieces {
+                let params = [are_all as u32, piece, n_pieces, self.rounds];
+                commands.dispatch(device, kernel, &bound, &params, Work::Groups(n_groups));
+            }
         }
     }
 
@@ -165,6 +190,8 @@ impl Tiles {
             body: Buffer::zeros(device, "tile_body", 2 * room)?,
             size: Buffer::zeros(device, "tile_size", most_tiles)?,
             is_big: of_tiles("is_big")?,
+            visited: Buffer::zeros(device, "tiles", most_tiles)?,
+            order: Buffer::zeros(device, "order of visits", room)?,
             big: of_tiles("big")?,
             n_big: Count::found(device, most_tiles)?,
             kernels: TileKernels {
@@ -174,6 +201,7 @@ impl Tiles {
                 rounds: get("tile_rounds", include_str!("tile_rounds.wgsl"))?,
                 list: get("tile_list", include_str!("tile_list.wgsl"))?,
                 color: get("tile_color", include_str!("tile_color.wgsl"))?,
+                order: get("tile_order", include_str!("tile_order.wgsl"))?,
                 rest: get("rest_color", include_str!("rest_color.wgsl"))?,
             },
             sort: RadixSort::new(device, kernels, room)?,
@@ -203,7 +231,7 @@ impl Tiles {
         &self,
         device: &Device,
         commands: &mut Commands,
-        (bodies, at, fixtures): (&Bodies, &Spheres, &Fixtures),
+        (bodies, at, fixtures): Shapes,
         (due, bins, to, place): (&Due, &Bins, &Pairs, &Buffer<u32>),
     ) {
         let (kernels, one) = (&self.kernels, Work::Groups(1));
@@ -238,12 +266,13 @@ impl Tiles {
         let from = [sorted, sphere, fixture, activity, first, n_tiles, n_pairs, start];
         let out = [pairs, self.local.bind(), self.body.bind(), size, is_big];
         let bound: Vec<Bound> = from.into_iter().chain(out).collect();
+        let most_later = if self.is_lasting { MOST_LATER } else { MOST_BODIES };
         for piece in 0..self.n_pieces {
-            let params = [piece, self.n_pieces, self.rounds];
+            let params = [piece, self.n_pieces, self.rounds, most_later];
             commands.dispatch(device, &kernels.list, &bound, &params, of_tiles.of_level(&self.n_colored, 0));
         }
         if self.is_lasting {
-            self.record_colors(device, commands, (to, place), (&self.n_colored, true));
+            self.record_visits(device, commands, (bodies, at, fixtures), (to, place), (&self.n_colored, true));
         }
         self.compact[1].record(device, commands, &self.is_big, &self.n_colored, &self.big, &self.n_big);
         let from = [pairs, sphere, fixture, activity, first, n_tiles, n_pairs, n_colored];
