@@ -28,10 +28,8 @@ pub struct Device {
     pub(crate) has_timestamps_between: bool,
     lost: Message,
     fault: Message,
-    /// Held while errors are caught: without the feature `std` of wgpu, those of all threads go into one stack of scopes.
-    scopes: Mutex<()>,
-    pace: Mutex<Pace>,
-    idle_times: Mutex<Vec<Times>>,
+    pace: Arc<Mutex<Pace>>,
+    idle_times: Arc<Mutex<Vec<Times>>>,
     traffic: Mutex<Traffic>,
     /// Times of commands that have not been waited for.
     unsettled: Mutex<Vec<Timings>>,
@@ -150,7 +148,7 @@ impl Device {
         let has_wide_atomics = features.contains(WIDE_ATOMICS);
         let has_timestamps = features.contains(wgpu::Features::TIMESTAMP_QUERY);
         let has_timestamps_between = features.contains(wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS);
-        let (scopes, pace, idle_times, traffic, unsettled, dispatches, memory) = Default::default();
+        let (pace, idle_times, traffic, unsettled, dispatches, memory) = Default::default();
         Ok(Device {
             adapter,
             raw,
@@ -161,7 +159,6 @@ impl Device {
             has_timestamps_between,
             lost,
             fault,
-            scopes,
             pace,
             idle_times,
             traffic,
@@ -169,6 +166,27 @@ impl Device {
             dispatches,
             memory,
         })
+    }
+
+    /// Another handle to the same device, for work beside what this one is given: its traffic and the times of its commands are its own. Loss
+    /// and faults are the device's, and so those of all its handles.
+    pub fn another(&self) -> Device {
+        Device {
+            adapter: self.adapter.clone(),
+            raw: self.raw.clone(),
+            queue: self.queue.clone(),
+            subgroup: self.subgroup,
+            has_wide_atomics: self.has_wide_atomics,
+            has_timestamps: self.has_timestamps,
+            has_timestamps_between: self.has_timestamps_between,
+            lost: self.lost.clone(),
+            fault: self.fault.clone(),
+            pace: self.pace.clone(),
+            idle_times: self.idle_times.clone(),
+            traffic: Mutex::default(),
+            unsettled: Mutex::default(),
+            memory: self.memory.clone(),
+        }
     }
 
     /// The most bytes that buffers have taken together.
@@ -309,19 +327,18 @@ impl Device {
         self.idle_times.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Create something on the device; an error of validation, of the driver or of memory is given to `error`.
+    /// Create something on the device; an error of validation, of the driver or of memory is given to `error`. Scopes of errors are those of a
+    /// thread (by the feature `std` of wgpu): what other threads do meanwhile does not get into them.
     pub(crate) fn create<T>(
         &self,
         make: impl FnOnce() -> T,
         error: impl FnOnce(wgpu::Error) -> GpuError,
     ) -> Result<T, GpuError> {
-        let own = self.scopes.lock().unwrap_or_else(PoisonError::into_inner);
         let memory = self.raw.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let validation = self.raw.push_error_scope(wgpu::ErrorFilter::Validation);
         let internal = self.raw.push_error_scope(wgpu::ErrorFilter::Internal);
         let made = make();
         let faults = [internal, validation, memory].map(|scope| pollster::block_on(scope.pop()));
-        drop(own);
         if let Some(message) = read(&self.lost) {
             return Err(GpuError::Lost(message));
         }

@@ -3,6 +3,8 @@
 
 #[path = "backends/caps.rs"]
 mod caps;
+#[path = "backends/flight.rs"]
+mod flight;
 #[path = "backends/layers.rs"]
 mod layers;
 #[path = "backends/sides.rs"]
