@@ -34,6 +34,11 @@ impl Drawer {
         }
     }
 
+    /// Whether a device is open that draws.
+    pub fn is_open(&self) -> bool {
+        self.open.as_ref().is_some_and(|device| !device.has_failed())
+    }
+
     /// The device, opened if it is not, or has failed; none if the processor draws.
     pub fn device(&mut self) -> Outcome<Option<Arc<DeviceRenderer>>> {
         if self.open.as_ref().is_some_and(|device| device.has_failed()) {

@@ -152,7 +152,9 @@ fn render_pass(
             Ok(())
         };
         interrupt::remark(format!("{} of {n} images are done; the same command goes on", n - frames.len()));
-        workers.run(&frames, begin, end)?;
+        // What the processor draws takes all of it.
+        let beside = || locked(&drawer).is_open() && guard::memory::room() > guard::memory::used();
+        workers.run(&frames, beside, begin, end)?;
         if busy.len() == frames.len() {
             std::thread::sleep(Duration::from_millis(100));
         }
@@ -190,6 +192,10 @@ impl Tally {
             eprintln!("the processor has drawn {count} of {n} images: {why}");
         }
     }
+}
+
+fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The images of a pass as they are drawn, by several threads.
@@ -234,7 +240,7 @@ impl<'a> Work<'a> {
     }
 
     fn hashes(&self) -> MutexGuard<'_, Hashes> {
-        self.hashes.lock().unwrap_or_else(PoisonError::into_inner)
+        locked(&self.hashes)
     }
 
     /// Name of the file that is written of a frame.
@@ -354,7 +360,7 @@ impl<'a> Work<'a> {
         let (job, table) = (self.job, moment.frame);
         let mut context = context(&job.files)?;
         (context.shard, context.about) = (self.shard, about);
-        context.device = drawer.lock().unwrap_or_else(PoisonError::into_inner).device()?;
+        context.device = locked(drawer).device()?;
         let image = job.image(table.number).to_string_lossy().to_string();
         context.image = Some(image.clone());
         context.allow_outside = job.allow_outside;

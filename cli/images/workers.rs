@@ -53,14 +53,14 @@ impl Workers {
     }
 
     /// Begin and end frames: `begin` of several at a time, `end` of one at a time in their order, both of a frame with one trace of files.
-    /// The first is alone until it has ended, since what is compiled for it serves the others, and so is each for whose like the memory
-    /// has no room.
+    /// The first is alone until it has ended, since what is compiled for it serves the others, and so is each that may not go `beside` others.
     ///
     /// # Errors
     /// The first of `end`, after which no frame is ended.
     pub fn run<B: Send>(
         &self,
         frames: &[u64],
+        beside: impl Fn() -> bool + Sync,
         begin: impl Fn(u64) -> B + Sync,
         mut end: impl FnMut(u64, B) -> Outcome + Send,
     ) -> Outcome {
@@ -70,7 +70,7 @@ impl Workers {
         let shared = Shared { turns: Mutex::default(), moved: Condvar::new(), end: Mutex::new((end, Ok(()))) };
         std::thread::scope(|scope| {
             for pool in &self.pools {
-                scope.spawn(|| shared.work(pool, frames, &begin));
+                scope.spawn(|| shared.work(pool, frames, &beside, &begin));
             }
         });
         shared.end.into_inner().unwrap_or_else(PoisonError::into_inner).1
@@ -78,13 +78,18 @@ impl Workers {
 }
 
 impl<E> Shared<E> {
-    fn work<B: Send>(&self, pool: &ThreadPool, frames: &[u64], begin: &(impl Fn(u64) -> B + Sync))
-    where
+    fn work<B: Send>(
+        &self,
+        pool: &ThreadPool,
+        frames: &[u64],
+        beside: &(impl Fn() -> bool + Sync),
+        begin: &(impl Fn(u64) -> B + Sync),
+    ) where
         E: FnMut(u64, B) -> Outcome + Send,
     {
         // Where a thread panics, the others do not wait for its turn.
         let _over = Over(self);
-        while let Some((turn, frame)) = self.next(frames) {
+        while let Some((turn, frame)) = self.next(frames, beside) {
             let begun = pool.install(|| begin(frame));
             if self.wait(|turns| turns.ended == turn).is_over {
                 return;
@@ -100,11 +105,10 @@ impl<E> Shared<E> {
     }
 
     /// The next frame, with its turn, as soon as it may begin; none once all are begun.
-    fn next(&self, frames: &[u64]) -> Option<(usize, u64)> {
+    fn next(&self, frames: &[u64], beside: &impl Fn() -> bool) -> Option<(usize, u64)> {
         let mut turns = self.wait(|turns| {
             let is_alone = turns.begun == turns.ended;
-            let has_room = || guard::memory::room() > guard::memory::used();
-            turns.begun == frames.len() || is_alone || turns.ended > 0 && has_room()
+            turns.begun == frames.len() || is_alone || turns.ended > 0 && beside()
         });
         let frame = frames.get(turns.begun).filter(|_| !turns.is_over)?;
         turns.begun += 1;
@@ -139,6 +143,7 @@ mod tests {
     use super::*;
     use std::path::Path;
     use std::sync::Barrier;
+    use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
     /// What is begun beside others is ended in order, with the files that it has read and no others.
     #[test]
@@ -164,8 +169,23 @@ mod tests {
             ended.push([frame, begun]);
             Ok(())
         };
-        assert!(workers.run(&frames, begin, end).is_ok());
+        assert!(workers.run(&frames, || true, begin, end).is_ok());
         assert_eq!(ended, frames.iter().map(|frame| [*frame; 2]).collect::<Vec<_>>());
+    }
+
+    /// Frames that may not go beside others are begun when those before have ended.
+    #[test]
+    fn frames_that_may_not_go_beside_others_go_alone() {
+        let workers = Workers::of(3, 1).unwrap();
+        let frames: Vec<u64> = (0..10).collect();
+        let ended = AtomicU64::new(0);
+        let begin = |frame: u64| assert_eq!(ended.load(Relaxed), frame);
+        let end = |_: u64, _: ()| {
+            ended.fetch_add(1, Relaxed);
+            Ok(())
+        };
+        assert!(workers.run(&frames, || false, begin, end).is_ok());
+        assert_eq!(ended.load(Relaxed), 10);
     }
 
     /// A failure ends the run: frames after it are not ended.
@@ -179,7 +199,7 @@ mod tests {
                 if frame == 4 { Err(Failure::new(Exit::Data, "four")) } else { Ok(()) }
             };
             let frames: Vec<u64> = (0..10).collect();
-            let message = workers.run(&frames, |_| (), end).err().map(|failure| failure.message);
+            let message = workers.run(&frames, || true, |_| (), end).err().map(|failure| failure.message);
             assert_eq!((message.as_deref(), &ended[..]), (Some("four"), &[0, 1, 2, 3, 4][..]));
         }
     }

@@ -185,6 +185,7 @@ impl Device {
             idle_times: self.idle_times.clone(),
             traffic: Mutex::default(),
             unsettled: Mutex::default(),
+            dispatches: Mutex::default(),
             memory: self.memory.clone(),
         }
     }
