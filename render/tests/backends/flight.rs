@@ -1,4 +1,4 @@
-//! Frames that are drawn at a time on one device.
+//! Frames that are drawn at a time on one device, and those of a device that is lost.
 
 use crate::{CAMERA, LIT, device, render};
 use render::{DeviceRenderer, DrawnBy, RenderResult};
@@ -66,4 +66,19 @@ fn a_device_that_is_lost_loses_no_frame_in_flight() {
     let next = render(&scene(0), Some(own.clone()), None).drawn_by;
     assert!(matches!(&next, DrawnBy::Fallback(_)), "{next:?}");
     assert!(own.has_failed());
+}
+
+/// The frame of a device that is lost is drawn by the processor.
+#[test]
+fn a_lost_device_loses_no_image() {
+    if device().is_none() {
+        return;
+    }
+    let own = Arc::new(DeviceRenderer::open(&gpu::Choice::Any).unwrap());
+    let rib = format!("{CAMERA}{LIT}Sphere 1 -1 1 360 WorldEnd");
+    assert_eq!(render(&rib, Some(own.clone()), None).drawn_by, DrawnBy::Gpu);
+    own.lose();
+    let drawn = render(&rib, Some(own.clone()), None);
+    assert!(matches!(&drawn.drawn_by, DrawnBy::Fallback(why) if why.contains("lost")), "{:?}", drawn.drawn_by);
+    assert!(own.has_failed() && drawn.image == render(&rib, None, None).image);
 }
