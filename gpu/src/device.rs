@@ -55,6 +55,14 @@ pub struct Traffic {
     pub wait_seconds: f64,
     /// Time in which kernels were compiled, s.
     pub compile_seconds: f64,
+    /// Time in which buffers were made, s.
+    pub buffer_seconds: f64,
+    /// Time in which bytes were written to buffers, s.
+    pub write_seconds: f64,
+    /// Time in which bytes were taken from buffers that had been read back, s.
+    pub read_seconds: f64,
+    /// Time in which commands were submitted, s.
+    pub submit_seconds: f64,
 }
 
 impl std::ops::Sub for Traffic {
@@ -68,6 +76,10 @@ impl std::ops::Sub for Traffic {
             bytes_read: self.bytes_read - o.bytes_read,
             wait_seconds: self.wait_seconds - o.wait_seconds,
             compile_seconds: self.compile_seconds - o.compile_seconds,
+            buffer_seconds: self.buffer_seconds - o.buffer_seconds,
+            write_seconds: self.write_seconds - o.write_seconds,
+            read_seconds: self.read_seconds - o.read_seconds,
+            submit_seconds: self.submit_seconds - o.submit_seconds,
         }
     }
 }
@@ -229,16 +241,24 @@ impl Device {
         add(&mut self.traffic.lock().unwrap_or_else(PoisonError::into_inner));
     }
 
+    /// Do something, and add the time that it takes to one of those of the traffic.
+    pub(crate) fn timed<T>(&self, of: impl FnOnce(&mut Traffic) -> &mut f64, work: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let done = work();
+        self.count(|traffic| *of(traffic) += start.elapsed().as_secs_f64());
+        done
+    }
+
     /// Submit commands to the queue.
     pub(crate) fn submit(&self, commands: wgpu::CommandBuffer) -> wgpu::SubmissionIndex {
         self.count(|traffic| traffic.submissions += 1);
-        self.queue.submit([commands])
+        self.timed(|traffic| &mut traffic.submit_seconds, || self.queue.submit([commands]))
     }
 
     /// Write bytes to a buffer, before any command that is submitted later.
     pub(crate) fn write(&self, buffer: &wgpu::Buffer, start: u64, bytes: &[u8]) {
         self.count(|traffic| traffic.bytes_written += bytes.len() as u64);
-        self.queue.write_buffer(buffer, start, bytes);
+        self.timed(|traffic| &mut traffic.write_seconds, || self.queue.write_buffer(buffer, start, bytes));
     }
 
     /// The times of commands that have not been waited for.

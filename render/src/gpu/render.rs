@@ -23,7 +23,7 @@ use crate::scene::options::Options;
 use crate::scene::source::Item;
 use crate::scene::world::Scene;
 use crate::stats::{DeviceSeconds, DeviceStats, Seconds, Stats};
-use gpu::{Choice, Device, GpuError, Kernels, Traffic};
+use gpu::{Choice, Device, GpuError, Kernels};
 use rayon::prelude::*;
 use sl::machine::{Machine, Points};
 use std::time::Instant;
@@ -522,14 +522,6 @@ impl<'a> Drawing<'a> {
         }
         self.stats.seconds.filter += start.elapsed().as_secs_f64();
         Ok(Drawn { image, stats: self.stats, identities: self.identities })
-    }
-}
-
-impl DeviceStats {
-    /// The same, with what has gone to the device and come from it.
-    fn with(self, traffic: Traffic) -> DeviceStats {
-        let Traffic { submissions, waits, bytes_written, bytes_read, wait_seconds, compile_seconds } = traffic;
-        DeviceStats { submissions, waits, bytes_written, bytes_read, wait_seconds, compile_seconds, ..self }
     }
 }
 
