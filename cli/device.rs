@@ -25,6 +25,20 @@ impl Drawer {
         Drawer { memory, ..self }
     }
 
+    /// Whether the images may be drawn on a device.
+    pub fn may_be_device(&self) -> bool {
+        match &self.on {
+            DrawOn::Cpu => false,
+            DrawOn::Gpu(_) => true,
+            DrawOn::Auto => gpu::may_have_hardware(),
+        }
+    }
+
+    /// Whether a device is open that draws.
+    pub fn is_open(&self) -> bool {
+        self.open.as_ref().is_some_and(|device| !device.has_failed())
+    }
+
     /// The device, opened if it is not, or has failed; none if the processor draws.
     pub fn device(&mut self) -> Outcome<Option<Arc<DeviceRenderer>>> {
         if self.open.as_ref().is_some_and(|device| device.has_failed()) {

@@ -1,23 +1,28 @@
 //! The images of a job: those that are not there as they would be drawn again, by the ledger of their folder.
 
+mod workers;
+
 use crate::batch::movie_images;
 use crate::device::Drawer;
 use crate::displays::{context, report_statistics, write, written};
 use crate::failed::{FailedFrames, MissingValues};
+use crate::images::workers::Workers;
 use crate::interrupt;
 use crate::job::{ImageJob, Statistics};
-use crate::ledger::{Hashes, Ledger, Standing};
+use crate::ledger::{Claim, Hashes, Ledger, Standing};
 use crate::overlay::{Overlay, Prepared};
 use crate::progress::Progress;
 use crate::ranges;
 use crate::report::{Exit, Failure, Outcome, Printed};
+use bind::emit::Missing;
 use bind::{Moment, emit};
 use frame::{Fault, FaultKind, Frame, list};
 use render::film::bucket::Shard;
 use render::ri::imprint::Imprint;
-use render::{DrawnBy, RenderResult};
+use render::{Context, DrawnBy};
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Render the images of a job, or a shard of each, but for those that are up to date; the frames whose data cannot be drawn are
@@ -110,28 +115,46 @@ fn render_pass(
     frame::atomic::sweep(&ledger.folder());
     let claims = ledger.claims();
     let progress = Progress::start("rendering", n as u64, "frames");
-    let mut work = Work::new(job, shard, statistics)?;
-    let (mut tally, mut proven, mut done) = (Tally::default(), false, 0);
+    let work = Work::new(job, shard, statistics)?;
+    let workers = Workers::new(drawer, n)?;
+    let drawer = Mutex::new(drawer);
+    let mut pass = Pass {
+        tally: Tally::default(),
+        values: MissingValues::default(),
+        made: vec![],
+        failed: &mut *failed,
+        printed: &mut *printed,
+    };
+    let (mut proven, mut done) = (false, 0);
     // Images that another process is drawing are looked at again when it is done with them.
     while !frames.is_empty() {
         let mut busy = vec![];
-        for frame in &frames {
-            interrupt::remark(format!("{done} of {n} images are done; the same command goes on"));
-            let file = work.file(*frame);
-            let Some(_claim) = claims.claim(&file) else {
-                busy.push(*frame);
-                continue;
+        let begin = |frame: u64| {
+            let file = work.file(frame);
+            let claim = claims.claim(&file)?;
+            Some(Begun { _claim: claim, drawn: work.drawn(frame, &file, &drawer), file })
+        };
+        let end = |frame: u64, begun: Option<Begun<'_>>| {
+            let Some(Begun { _claim, drawn, file }) = begun else {
+                busy.push(frame);
+                return Ok(());
             };
-            match work.image(*frame, &file, drawer, (&mut tally, printed)) {
+            match drawn.and_then(|drawn| work.finish(frame, &file, drawn, &mut pass)) {
                 Ok(()) => proven = true,
                 Err(failure) => {
                     work.ledger.note_failure(&file, &failure.message)?;
-                    failed.note(*frame, failure, proven, job.frames.len())?;
+                    pass.failed.note(frame, failure, proven, job.frames.len())?;
                 }
             }
             done += 1;
+            interrupt::remark(format!("{done} of {n} images are done; the same command goes on"));
             progress.at(done);
-        }
+            Ok(())
+        };
+        interrupt::remark(format!("{} of {n} images are done; the same command goes on", n - frames.len()));
+        // What the processor draws takes all of it.
+        let beside = || locked(&drawer).is_open() && guard::memory::room() > guard::memory::used();
+        workers.run(&frames, beside, begin, end)?;
         if busy.len() == frames.len() {
             std::thread::sleep(Duration::from_millis(100));
         }
@@ -139,10 +162,21 @@ fn render_pass(
     }
     interrupt::remark(String::new());
     progress.finish();
-    tally.say(n);
-    work.values.warn(printed);
-    work.check_others()?;
+    pass.tally.say(n);
+    pass.values.warn(pass.printed);
+    work.check_others(&pass.made)?;
+    let drawer = drawer.into_inner().unwrap_or_else(PoisonError::into_inner);
     job.passes.iter().try_for_each(|pass| render_pass(pass, (shard, statistics), drawer, failed, printed))
+}
+
+/// What has come of the images of a pass so far, in the order of their frames.
+struct Pass<'a> {
+    tally: Tally,
+    values: MissingValues,
+    /// The images that are done, and the hash of what each was made of.
+    made: Vec<(String, String)>,
+    failed: &'a mut FailedFrames,
+    printed: &'a mut Printed,
 }
 
 impl Tally {
@@ -160,26 +194,53 @@ impl Tally {
     }
 }
 
-/// Images as they are drawn, one after the other.
+fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The images of a pass as they are drawn, by several threads.
 struct Work<'a> {
     job: &'a ImageJob,
     shard: Option<Shard>,
     statistics: Statistics,
     ledger: Ledger,
-    hashes: Hashes,
-    values: MissingValues,
+    hashes: Mutex<Hashes>,
     overlays: Prepared,
-    /// The images that are done, and the hash of what each was made of.
-    made: Vec<(String, String)>,
+}
+
+/// An image that this process has a claim on, and its file.
+struct Begun<'a> {
+    _claim: Claim<'a>,
+    drawn: Outcome<Drawn>,
+    file: String,
+}
+
+/// An image before it is written.
+struct Drawn {
+    standing: Standing,
+    imprint: String,
+    /// None if it is up to date.
+    rendered: Option<Rendered>,
+    started: Instant,
+}
+
+/// A frame that is rendered: its table, the renderer with its image, and what the rows of the table lack.
+struct Rendered {
+    table: Arc<Frame>,
+    context: Context,
+    missing: Missing,
 }
 
 impl<'a> Work<'a> {
     /// No image yet.
     fn new(job: &'a ImageJob, shard: Option<Shard>, statistics: Statistics) -> Outcome<Work<'a>> {
         let ledger = Ledger::made_from(&job.folder, &job.binding.folder());
-        let (hashes, values) = (Hashes::default(), MissingValues::default());
         let overlays = Prepared::find(&job.binding, &job.source)?;
-        Ok(Work { job, shard, statistics, ledger, hashes, values, overlays, made: vec![] })
+        Ok(Work { job, shard, statistics, ledger, hashes: Mutex::default(), overlays })
+    }
+
+    fn hashes(&self) -> MutexGuard<'_, Hashes> {
+        locked(&self.hashes)
     }
 
     /// Name of the file that is written of a frame.
@@ -188,14 +249,9 @@ impl<'a> Work<'a> {
         path.file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 
-    /// Render a frame and record its image, unless that is up to date.
-    fn image(
-        &mut self,
-        frame: u64,
-        file: &str,
-        drawer: &mut Drawer,
-        (tally, printed): (&mut Tally, &mut Printed),
-    ) -> Outcome {
+    /// Render a frame, unless its image is up to date. The files that this reads, and those that [`Work::finish`] does, are in the trace of
+    /// the thread.
+    fn drawn(&self, frame: u64, file: &str, drawer: &Mutex<&mut Drawer>) -> Outcome<Drawn> {
         let started = Instant::now();
         let table = self.job.source.shared(frame)?;
         // The metadata fits the data's first frame: a column that this one lacks is missing in the data.
@@ -206,52 +262,66 @@ impl<'a> Work<'a> {
         let whole = self.job.image(frame).file_name().unwrap_or_default().to_string_lossy().into_owned();
         let standing = if self.job.redraw { Standing::Changed } else { self.standing(file, &whole, &imprint) };
         let lacks_statistics = || self.statistics.write && !self.job.folder.join(format!("{file}.stats.json")).exists();
-        match &standing {
-            Standing::Done if !lacks_statistics() => {
-                tally.kept += 1;
-                self.ledger.forget_failure(file);
-                self.made.push((file.into(), imprint));
-                return Ok(());
-            }
-            Standing::Missing | Standing::Done => {}
-            _ if self.job.redraw => {}
-            why => *tally.again.entry(why.to_string()).or_default() += 1,
+        if standing == Standing::Done && !lacks_statistics() {
+            return Ok(Drawn { standing, imprint, rendered: None, started });
         }
         guard::trace();
-        let result = self.draw(&moment, about, drawer, printed)?;
+        let (context, missing) = self.draw(&moment, about, drawer)?;
+        let rendered = Rendered { table: table.clone(), context, missing };
+        Ok(Drawn { standing, imprint, rendered: Some(rendered), started })
+    }
+
+    /// Write the image of a frame and record it.
+    fn finish(&self, frame: u64, file: &str, drawn: Drawn, pass: &mut Pass<'_>) -> Outcome {
+        let Drawn { standing, imprint, rendered, started } = drawn;
+        let Some(Rendered { table, context, missing }) = rendered else {
+            pass.tally.kept += 1;
+            self.ledger.forget_failure(file);
+            pass.made.push((file.into(), imprint));
+            return Ok(());
+        };
+        match &standing {
+            Standing::Missing | Standing::Done => {}
+            _ if self.job.redraw => {}
+            why => *pass.tally.again.entry(why.to_string()).or_default() += 1,
+        }
+        pass.values.add(table.number, &missing);
+        let no_world = || Failure::new(Exit::Input, "the scene has no WorldBegin and WorldEnd: there is no image");
+        let overlay = self.overlay(&table)?;
+        let result = write(context, &self.job.folder, Some(&overlay), pass.printed)?.pop().ok_or_else(no_world)?;
         if let DrawnBy::Fallback(why) = &result.drawn_by {
-            *tally.fallen_back.entry(why.clone()).or_default() += 1;
+            *pass.tally.fallen_back.entry(why.clone()).or_default() += 1;
         }
         let read = guard::trace();
         report_statistics(&result, frame, &written(&self.job.image(frame), self.shard), self.statistics)?;
         let seconds = started.elapsed().as_secs_f64();
-        self.ledger.record(file, &imprint, read, seconds, &mut self.hashes)?;
-        self.made.push((file.into(), imprint));
+        self.ledger.record(file, &imprint, read, seconds, &mut self.hashes())?;
+        pass.made.push((file.into(), imprint));
         Ok(())
     }
 
     /// Fail if another command has drawn images again since they were done, from other data or with other settings.
-    fn check_others(&self) -> Outcome {
+    fn check_others(&self, made: &[(String, String)]) -> Outcome {
         let is_other = |(file, imprint): &&(String, String)| {
             self.ledger.entry(file).is_some_and(|entry| entry.imprint != *imprint)
         };
-        let mut others = self.made.iter().filter(is_other);
+        let mut others = made.iter().filter(is_other);
         let Some((first, _)) = others.next() else { return Ok(()) };
         let message = format!(
             "another command has drawn {} of the {} images in {} again, from other data or with other settings (the first: {first}); \
              give each a folder of its own with -o, and draw these again",
             1 + others.count(),
-            self.made.len(),
+            made.len(),
             self.job.folder.display()
         );
         Err(Failure::new(Exit::Partial, message))
     }
 
     /// How the file of an image or of a shard stands: a shard of a `whole` image that is up to date is not needed.
-    fn standing(&mut self, file: &str, whole: &str, imprint: &str) -> Standing {
-        let own = self.ledger.standing(file, Some(imprint), &mut self.hashes);
+    fn standing(&self, file: &str, whole: &str, imprint: &str) -> Standing {
+        let own = self.ledger.standing(file, Some(imprint), &mut self.hashes());
         let is_needed = own != Standing::Done && file != whole;
-        if is_needed && self.ledger.standing(whole, Some(imprint), &mut self.hashes) == Standing::Done {
+        if is_needed && self.ledger.standing(whole, Some(imprint), &mut self.hashes()) == Standing::Done {
             return Standing::Done;
         }
         own
@@ -280,25 +350,22 @@ impl<'a> Work<'a> {
         Ok(Overlay::of(&self.job.binding, &self.overlays, table)?)
     }
 
-    /// Render a frame and write its image.
+    /// Render a frame; the renderer then has its image.
     fn draw(
-        &mut self,
+        &self,
         moment: &Moment,
         about: Vec<(String, String)>,
-        drawer: &mut Drawer,
-        printed: &mut Printed,
-    ) -> Outcome<RenderResult> {
+        drawer: &Mutex<&mut Drawer>,
+    ) -> Outcome<(Context, Missing)> {
         let (job, table) = (self.job, moment.frame);
         let mut context = context(&job.files)?;
         (context.shard, context.about) = (self.shard, about);
-        context.device = drawer.device()?;
+        context.device = locked(drawer).device()?;
         let image = job.image(table.number).to_string_lossy().to_string();
         context.image = Some(image.clone());
         context.allow_outside = job.allow_outside;
         let missing = emit::frame(&job.binding, moment, &image, &job.files, &mut context)?;
-        self.values.add(table.number, &missing);
-        let no_world = || Failure::new(Exit::Input, "the scene has no WorldBegin and WorldEnd: there is no image");
-        write(context, &job.folder, Some(&self.overlay(table)?), printed)?.pop().ok_or_else(no_world)
+        Ok((context, missing))
     }
 }
 

@@ -165,3 +165,30 @@ fn a_film_with_trails_reads_each_table_once() {
     // What no trail goes back to is let go of.
     assert!(source.shared(3).is_ok() && source.shared(1).is_ok() && source.shared(0).is_err());
 }
+
+#[test]
+fn images_with_trails_that_are_drawn_at_a_time_read_each_table_once() {
+    let work = scratch();
+    table(work.path(), 6);
+    let file = metadata(work.path(), BODIES, "  - {name: w, geometry: {trail: {frames: 2}}}\n");
+    let binding = bind::read(Path::new(&file)).unwrap();
+    let source = binding.open_data().unwrap();
+    // Threads that want a table at a time have the same.
+    let all: Vec<_> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..8).map(|_| scope.spawn(|| source.shared(0).unwrap())).collect();
+        threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+    });
+    assert!(all.iter().all(|table| std::sync::Arc::ptr_eq(table, &all[0])));
+    drop(all);
+    let tables: Vec<_> = (0..4).map(|frame| source.shared(frame).unwrap()).collect();
+    (0..4).for_each(|frame| std::fs::remove_file(work.path().join(format!("b_{frame}.csv"))).unwrap());
+    // Whichever comes first, no other image's tables are let go of.
+    for frame in [3, 1, 2, 0] {
+        let before = bind::Moment::of(&binding, &source, &tables[frame]).unwrap().before;
+        assert_eq!(before.len(), frame.min(2));
+    }
+    drop(tables);
+    let table = source.shared(4).unwrap();
+    assert_eq!(bind::Moment::of(&binding, &source, &table).unwrap().before.len(), 2);
+    assert!(source.shared(1).is_err());
+}

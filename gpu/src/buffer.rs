@@ -46,7 +46,7 @@ impl<T: Pod> Buffer<T> {
         let usage = Usage::STORAGE | Usage::COPY_SRC | Usage::COPY_DST | Usage::INDIRECT;
         let desc = wgpu::BufferDescriptor { label: Some(name), size: bytes, usage, mapped_at_creation: false };
         let raw = device.create(
-            || device.raw.create_buffer(&desc),
+            || device.timed(|traffic| &mut traffic.buffer_seconds, || device.raw.create_buffer(&desc)),
             |error| match error {
                 wgpu::Error::OutOfMemory { .. } => GpuError::Memory { buffer: name.into(), bytes },
                 other => GpuError::Device(other.to_string()),
@@ -134,7 +134,7 @@ impl<T: Pod> Buffer<T> {
         let desc = wgpu::BufferDescriptor { label: Some(self.name), size, usage, mapped_at_creation: false };
         let taken = take(device, self.name, size)?;
         let staging = device.create(
-            || device.raw.create_buffer(&desc),
+            || device.timed(|traffic| &mut traffic.buffer_seconds, || device.raw.create_buffer(&desc)),
             |error| match error {
                 wgpu::Error::OutOfMemory { .. } => GpuError::Memory { buffer: self.name.into(), bytes: size },
                 other => GpuError::Device(other.to_string()),
@@ -211,6 +211,6 @@ impl<T: Pod> ReadBack<T> {
     /// Those of [`Device::check`].
     pub fn wait(self, device: &Device) -> Result<Vec<T>, GpuError> {
         wait_for_map(device, &self.mapped, &self.submission)?;
-        mapped_rows(&self.staging, self.n)
+        device.timed(|traffic| &mut traffic.read_seconds, || mapped_rows(&self.staging, self.n))
     }
 }

@@ -80,12 +80,13 @@ impl Commands {
     /// If a buffer's rows are not as wide as those of the kernel, or their number is another: a defect of the caller.
     pub fn dispatch(&mut self, device: &Device, kernel: &Kernel, buffers: &[Bound], params: &[u32], work: Work) {
         let constants = (!params.is_empty()).then(|| {
-            let raw = device.raw.create_buffer(&wgpu::BufferDescriptor {
+            let desc = wgpu::BufferDescriptor {
                 label: Some("params"),
                 size: 4 * params.len() as u64,
                 usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
-            });
+            };
+            let raw = device.timed(|traffic| &mut traffic.buffer_seconds, || device.raw.create_buffer(&desc));
             // Written rather than mapped: what a lost device makes cannot be mapped, which only the next check may tell.
             device.write(&raw, 0, bytemuck::cast_slice(params));
             raw

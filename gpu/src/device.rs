@@ -28,10 +28,8 @@ pub struct Device {
     pub(crate) has_timestamps_between: bool,
     lost: Message,
     fault: Message,
-    /// Held while errors are caught: without the feature `std` of wgpu, those of all threads go into one stack of scopes.
-    scopes: Mutex<()>,
-    pace: Mutex<Pace>,
-    idle_times: Mutex<Vec<Times>>,
+    pace: Arc<Mutex<Pace>>,
+    idle_times: Arc<Mutex<Vec<Times>>>,
     traffic: Mutex<Traffic>,
     /// Times of commands that have not been waited for.
     unsettled: Mutex<Vec<Timings>>,
@@ -57,6 +55,14 @@ pub struct Traffic {
     pub wait_seconds: f64,
     /// Time in which kernels were compiled, s.
     pub compile_seconds: f64,
+    /// Time in which buffers were made, s.
+    pub buffer_seconds: f64,
+    /// Time in which bytes were written to buffers, s.
+    pub write_seconds: f64,
+    /// Time in which bytes were taken from buffers that had been read back, s.
+    pub read_seconds: f64,
+    /// Time in which commands were submitted, s.
+    pub submit_seconds: f64,
 }
 
 impl std::ops::Sub for Traffic {
@@ -70,6 +76,10 @@ impl std::ops::Sub for Traffic {
             bytes_read: self.bytes_read - o.bytes_read,
             wait_seconds: self.wait_seconds - o.wait_seconds,
             compile_seconds: self.compile_seconds - o.compile_seconds,
+            buffer_seconds: self.buffer_seconds - o.buffer_seconds,
+            write_seconds: self.write_seconds - o.write_seconds,
+            read_seconds: self.read_seconds - o.read_seconds,
+            submit_seconds: self.submit_seconds - o.submit_seconds,
         }
     }
 }
@@ -150,7 +160,7 @@ impl Device {
         let has_wide_atomics = features.contains(WIDE_ATOMICS);
         let has_timestamps = features.contains(wgpu::Features::TIMESTAMP_QUERY);
         let has_timestamps_between = features.contains(wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS);
-        let (scopes, pace, idle_times, traffic, unsettled, dispatches, memory) = Default::default();
+        let (pace, idle_times, traffic, unsettled, dispatches, memory) = Default::default();
         Ok(Device {
             adapter,
             raw,
@@ -161,7 +171,6 @@ impl Device {
             has_timestamps_between,
             lost,
             fault,
-            scopes,
             pace,
             idle_times,
             traffic,
@@ -169,6 +178,28 @@ impl Device {
             dispatches,
             memory,
         })
+    }
+
+    /// Another handle to the same device, for work beside what this one is given: its traffic and the times of its commands are its own. Loss
+    /// and faults are the device's, and so those of all its handles.
+    pub fn another(&self) -> Device {
+        Device {
+            adapter: self.adapter.clone(),
+            raw: self.raw.clone(),
+            queue: self.queue.clone(),
+            subgroup: self.subgroup,
+            has_wide_atomics: self.has_wide_atomics,
+            has_timestamps: self.has_timestamps,
+            has_timestamps_between: self.has_timestamps_between,
+            lost: self.lost.clone(),
+            fault: self.fault.clone(),
+            pace: self.pace.clone(),
+            idle_times: self.idle_times.clone(),
+            traffic: Mutex::default(),
+            unsettled: Mutex::default(),
+            dispatches: Mutex::default(),
+            memory: self.memory.clone(),
+        }
     }
 
     /// The most bytes that buffers have taken together.
@@ -210,16 +241,24 @@ impl Device {
         add(&mut self.traffic.lock().unwrap_or_else(PoisonError::into_inner));
     }
 
+    /// Do something, and add the time that it takes to one of those of the traffic.
+    pub(crate) fn timed<T>(&self, of: impl FnOnce(&mut Traffic) -> &mut f64, work: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let done = work();
+        self.count(|traffic| *of(traffic) += start.elapsed().as_secs_f64());
+        done
+    }
+
     /// Submit commands to the queue.
     pub(crate) fn submit(&self, commands: wgpu::CommandBuffer) -> wgpu::SubmissionIndex {
         self.count(|traffic| traffic.submissions += 1);
-        self.queue.submit([commands])
+        self.timed(|traffic| &mut traffic.submit_seconds, || self.queue.submit([commands]))
     }
 
     /// Write bytes to a buffer, before any command that is submitted later.
     pub(crate) fn write(&self, buffer: &wgpu::Buffer, start: u64, bytes: &[u8]) {
         self.count(|traffic| traffic.bytes_written += bytes.len() as u64);
-        self.queue.write_buffer(buffer, start, bytes);
+        self.timed(|traffic| &mut traffic.write_seconds, || self.queue.write_buffer(buffer, start, bytes));
     }
 
     /// The times of commands that have not been waited for.
@@ -309,19 +348,18 @@ impl Device {
         self.idle_times.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Create something on the device; an error of validation, of the driver or of memory is given to `error`.
+    /// Create something on the device; an error of validation, of the driver or of memory is given to `error`. Scopes of errors are those of a
+    /// thread (by the feature `std` of wgpu): what other threads do meanwhile does not get into them.
     pub(crate) fn create<T>(
         &self,
         make: impl FnOnce() -> T,
         error: impl FnOnce(wgpu::Error) -> GpuError,
     ) -> Result<T, GpuError> {
-        let own = self.scopes.lock().unwrap_or_else(PoisonError::into_inner);
         let memory = self.raw.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let validation = self.raw.push_error_scope(wgpu::ErrorFilter::Validation);
         let internal = self.raw.push_error_scope(wgpu::ErrorFilter::Internal);
         let made = make();
         let faults = [internal, validation, memory].map(|scope| pollster::block_on(scope.pop()));
-        drop(own);
         if let Some(message) = read(&self.lost) {
             return Err(GpuError::Lost(message));
         }

@@ -1,11 +1,12 @@
 //! Opening input files: within a folder, if there is one to keep to, and noted.
 
 use crate::memory;
+use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result};
 use std::path::{Component, Path, PathBuf};
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 /// The folders that files may be read from; all if there are none.
 static FOLDERS: Mutex<Vec<PathBuf>> = Mutex::new(vec![]);
@@ -14,8 +15,32 @@ static GIVEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 /// The files that were opened.
 static SEEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// The files that were opened or looked for since the last call of [`trace`].
+/// The files that were opened or looked for since the last call of [`trace`], by threads that follow no trace of their own.
 static TRACE: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+thread_local! {
+    /// The trace that a thread follows.
+    static OWN: RefCell<Option<Trace>> = const { RefCell::new(None) };
+}
+
+/// The files that the threads of some work open or look for, apart from those of other work that goes on beside it.
+#[derive(Clone, Default)]
+pub struct Trace(Arc<Mutex<BTreeSet<PathBuf>>>);
+
+impl Trace {
+    /// Note here what this thread opens or looks for from now on: its calls of [`trace`] take that.
+    pub fn follow(&self) {
+        OWN.set(Some(self.clone()));
+    }
+}
+
+/// Do something with the files that this thread's trace has.
+fn traced<T>(work: impl FnOnce(&mut BTreeSet<PathBuf>) -> T) -> T {
+    match OWN.with_borrow(Clone::clone) {
+        Some(own) => work(&mut lock(&own.0)),
+        None => work(&mut lock(&TRACE)),
+    }
+}
 
 fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(|e| e.into_inner())
@@ -52,12 +77,12 @@ pub fn note(path: &Path) {
 
 /// Note that a file would be read if it were there.
 pub fn look_for(path: &Path) {
-    lock(&TRACE).insert(path.into());
+    traced(|files| files.insert(path.into()));
 }
 
 /// The files that were opened, noted or looked for since the last call, as they were named: what the work in between depends on.
 pub fn trace() -> BTreeSet<PathBuf> {
-    std::mem::take(&mut *lock(&TRACE))
+    traced(std::mem::take)
 }
 
 /// Where a path leads, or would lead once its folders are there: `a/../b` is `b`, whether there is an `a` or not.
@@ -185,4 +210,40 @@ pub fn read_to_string(path: &Path) -> Result<String> {
 
 fn too_large() -> Error {
     Error::new(ErrorKind::OutOfMemory, memory::Full.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn threads_that_follow_traces_note_files_apart() {
+        let traces = [Trace::default(), Trace::default()];
+        let names = ["one", "other"];
+        std::thread::scope(|scope| {
+            for (trace, name) in traces.iter().zip(names) {
+                // Two threads of each.
+                (0..2).for_each(|k| {
+                    scope.spawn(move || {
+                        trace.follow();
+                        look_for(&Path::new(name).join(k.to_string()));
+                    });
+                });
+            }
+        });
+        let of = |trace: &Trace| {
+            let trace = trace.clone();
+            let take = move || {
+                trace.follow();
+                super::trace()
+            };
+            std::thread::spawn(take).join().unwrap()
+        };
+        for (trace, name) in traces.iter().zip(names) {
+            let own: Vec<PathBuf> = of(trace).into_iter().collect();
+            assert_eq!(own, [Path::new(name).join("0"), Path::new(name).join("1")]);
+            assert!(of(trace).is_empty());
+        }
+        assert!(!super::trace().iter().any(|path| names.iter().any(|name| path.starts_with(name))));
+    }
 }

@@ -12,6 +12,6 @@ pub mod text;
 
 pub use decode::{Gray, check_image, read_gray, read_image};
 pub use files::{
-    allow, confine, give, is_one_of, leads_out, look_for, note, open, permit, place_of, read, read_stdin,
+    Trace, allow, confine, give, is_one_of, leads_out, look_for, note, open, permit, place_of, read, read_stdin,
     read_to_string, seen, trace, was_seen,
 };

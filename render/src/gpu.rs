@@ -6,6 +6,7 @@
 
 mod caps;
 mod few;
+mod flight;
 mod front;
 mod kept;
 mod kernels;

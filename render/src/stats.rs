@@ -43,8 +43,35 @@ pub struct DeviceStats {
     pub wait_seconds: f64,
     /// Time in which kernels were compiled, s: none of a frame whose shaders an earlier one had.
     pub compile_seconds: f64,
+    /// Time in which the processor made buffers, s.
+    pub buffer_seconds: f64,
+    /// Time in which it wrote to them, s.
+    pub write_seconds: f64,
+    /// Time in which it took what had been read from them, s.
+    pub read_seconds: f64,
+    /// Time in which it submitted commands, s.
+    pub submit_seconds: f64,
     /// Time of the device by stage, s, by its own clock; none where it has no clock.
     pub seconds: Option<DeviceSeconds>,
+}
+
+impl DeviceStats {
+    /// The same, with what has gone to the device and come from it.
+    pub(crate) fn with(self, traffic: gpu::Traffic) -> DeviceStats {
+        DeviceStats {
+            submissions: traffic.submissions,
+            waits: traffic.waits,
+            bytes_written: traffic.bytes_written,
+            bytes_read: traffic.bytes_read,
+            wait_seconds: traffic.wait_seconds,
+            compile_seconds: traffic.compile_seconds,
+            buffer_seconds: traffic.buffer_seconds,
+            write_seconds: traffic.write_seconds,
+            read_seconds: traffic.read_seconds,
+            submit_seconds: traffic.submit_seconds,
+            ..self
+        }
+    }
 }
 
 /// Time of a graphics device by stage, s.

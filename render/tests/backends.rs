@@ -3,6 +3,8 @@
 
 #[path = "backends/caps.rs"]
 mod caps;
+#[path = "backends/flight.rs"]
+mod flight;
 #[path = "backends/layers.rs"]
 mod layers;
 #[path = "backends/sides.rs"]
@@ -582,19 +584,4 @@ fn what_a_device_does_not_draw_is_drawn_by_the_processor() {
         let other = render(&rib, None, None);
         assert!(own.image == other.image, "{why}");
     }
-}
-
-/// The frame of a device that is lost is drawn by the processor.
-#[test]
-fn a_lost_device_loses_no_image() {
-    if device().is_none() {
-        return;
-    }
-    let own = Arc::new(DeviceRenderer::open(&gpu::Choice::Any).unwrap());
-    let rib = format!("{CAMERA}{LIT}Sphere 1 -1 1 360 WorldEnd");
-    assert_eq!(render(&rib, Some(own.clone()), None).drawn_by, DrawnBy::Gpu);
-    own.lose();
-    let drawn = render(&rib, Some(own.clone()), None);
-    assert!(matches!(&drawn.drawn_by, DrawnBy::Fallback(why) if why.contains("lost")), "{:?}", drawn.drawn_by);
-    assert!(own.has_failed() && drawn.image == render(&rib, None, None).image);
 }

@@ -8,7 +8,7 @@ use frame::{Column, Fault, FaultKind, Frame};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A source of frames, with the operations on each frame: derived columns, then the selection of rows.
 #[derive(Clone, Debug)]
@@ -23,9 +23,18 @@ pub struct Source {
     recent: Recent,
 }
 
-/// The tables that trails go back to, by their frames' numbers.
+/// The tables that trails go back to, by their frames' numbers. While one is read, others who want it wait.
 #[derive(Debug, Default)]
-struct Recent(Mutex<BTreeMap<u64, Arc<Frame>>>);
+struct Recent(Mutex<BTreeMap<u64, Place>>);
+
+/// A table, once it is read.
+type Place = Arc<Mutex<Option<Arc<Frame>>>>;
+
+impl Recent {
+    fn tables(&self) -> MutexGuard<'_, BTreeMap<u64, Place>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
 
 impl Clone for Recent {
     /// Without tables: a source that is changed reads others.
@@ -131,18 +140,27 @@ impl Source {
 
     /// The table of a frame as [`Source::read`] gives it, read once for all images that [`Source::keep`] keeps it for.
     pub fn shared(&self, number: u64) -> Result<Arc<Frame>, Fault> {
-        let recent = || self.recent.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(table) = recent().get(&number) {
+        let place = self.recent.tables().entry(number).or_default().clone();
+        let mut place = place.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(table) = &*place {
             return Ok(table.clone());
         }
         let table = Arc::new(self.read(number)?);
-        recent().insert(number, table.clone());
+        *place = Some(table.clone());
         Ok(table)
     }
 
-    /// Let go of all tables but those of a range of frames.
+    /// Let go of all tables but those of a range of frames, and those that other images with trails are drawn of at the moment.
     pub fn keep(&self, frames: Range<u64>) {
-        self.recent.0.lock().unwrap_or_else(PoisonError::into_inner).retain(|number, _| frames.contains(number));
+        if frames.is_empty() {
+            return self.recent.tables().clear();
+        }
+        let is_used = |place: &Place| match place.try_lock() {
+            Ok(table) => table.as_ref().is_some_and(|table| Arc::strong_count(table) > 1),
+            // It is read at the moment.
+            Err(_) => true,
+        };
+        self.recent.tables().retain(|number, place| frames.contains(number) || is_used(place));
     }
 
     /// Read a frame, compute its derived columns and select its rows. An error if the file is bad or an expression cannot be

@@ -8,8 +8,8 @@ use crate::cpu::sort::items_of_buckets;
 use crate::drawn::Drawn;
 use crate::film::bucket::{Bucket, buckets};
 use crate::film::image::Image;
+use crate::gpu::flight::{Flight, Flights};
 use crate::gpu::front::{Diced, Front, Window};
-use crate::gpu::kept::Kept;
 use crate::gpu::kernels::FrameKernels;
 use crate::gpu::layers::Layers;
 use crate::gpu::limits::Limits;
@@ -23,7 +23,7 @@ use crate::scene::options::Options;
 use crate::scene::source::Item;
 use crate::scene::world::Scene;
 use crate::stats::{DeviceSeconds, DeviceStats, Seconds, Stats};
-use gpu::{Choice, Device, GpuError, Kernels, Traffic};
+use gpu::{Choice, Device, GpuError, Kernels};
 use rayon::prelude::*;
 use sl::machine::{Machine, Points};
 use std::time::Instant;
@@ -36,7 +36,7 @@ pub struct Renderer {
     device: Device,
     kernels: Kernels,
     own: FrameKernels,
-    kept: Kept,
+    flights: Flights,
     /// How much of a frame is on the device at a time.
     pub limits: Limits,
 }
@@ -57,7 +57,7 @@ impl Renderer {
     pub fn new(device: Device) -> Result<Renderer, GpuError> {
         let kernels = Kernels::default();
         let own = FrameKernels::new(&device, &kernels)?;
-        Ok(Renderer { device, kernels, own, kept: Kept::default(), limits: Limits::default() })
+        Ok(Renderer { device, kernels, own, flights: Flights::default(), limits: Limits::default() })
     }
 
     /// The adapter.
@@ -74,7 +74,7 @@ impl Renderer {
     /// the same is not drawn.
     pub fn limit_memory(&mut self, bytes: u64) {
         self.limits = Limits::within(bytes);
-        self.kept = Kept::none();
+        self.flights = Flights::limited();
         self.device.limit_memory(bytes);
     }
 
@@ -105,7 +105,8 @@ impl Renderer {
         camera: Camera,
         progress: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<Drawn, Refusal> {
-        self.draw(scene, options, camera, progress).map_err(|refusal| match (refusal, self.device.wait()) {
+        let draw = |flight: &Flight| self.draw(flight, scene, options, camera.clone(), progress);
+        self.flights.draw(&self.device, draw).map_err(|refusal| match (refusal, self.device.wait()) {
             // What has failed by it may be known before the loss.
             (Refusal::Device(_), Err(lost @ GpuError::Lost(_))) => Refusal::Device(lost),
             (refusal, _) => refusal,
@@ -114,6 +115,7 @@ impl Renderer {
 
     fn draw(
         &self,
+        flight: &Flight,
         scene: &Scene,
         options: &Options,
         camera: Camera,
@@ -122,21 +124,20 @@ impl Renderer {
         if let Some(why) = supported::refused(scene) {
             return Err(Refusal::Unsupported(why));
         }
-        // Nothing is left of a frame that was given up.
-        self.device.settle()?;
-        let (start, before) = (Instant::now(), self.device.traffic());
+        let Flight { device, kept } = flight;
+        let (start, before) = (Instant::now(), device.traffic());
         let frame = Frame::new(scene, options, camera);
-        let mut shaders = Shaders::new(&self.device, (&self.kernels, &self.own, &self.kept), self.limits.values)?;
+        let mut shaders = Shaders::new(device, (&self.kernels, &self.own, kept), self.limits.values)?;
         let layered: Vec<bool> = (0..scene.sources.len()).map(|k| is_layered(&frame, k)).collect();
         let needs = shaders.find(&frame, &layered)?;
         shaders.set_world(&world_of(&frame, needs, self.most_facets())?)?;
         let hierarchy = start.elapsed().as_secs_f64();
         let items = scene.sources.iter().map(|s| s.len() as u64).sum();
         let stats = Stats { items, seconds: Seconds { hierarchy, ..Seconds::default() }, ..Stats::default() };
-        let mut drawing = Drawing::new(self, &frame, shaders, layered, stats);
+        let mut drawing = Drawing::new((self, flight), &frame, shaders, layered, stats);
         drawing.windows(progress)?;
         let mut drawn = drawing.finish()?;
-        let spent = self.device.traffic() - before;
+        let spent = device.traffic() - before;
         drawn.stats.device = drawn.stats.device.map(|device| device.with(spent));
         Ok(drawn)
     }
@@ -180,6 +181,7 @@ fn met_of<'f>(frame: &'f Frame<'_>, most: usize) -> Result<world::Met<'f>, Refus
 /// An image that is drawn.
 struct Drawing<'a> {
     renderer: &'a Renderer,
+    flight: &'a Flight,
     frame: &'a Frame<'a>,
     shaders: Shaders<'a>,
     /// Whether what is of a source becomes layers.
@@ -191,18 +193,18 @@ struct Drawing<'a> {
 
 impl<'a> Drawing<'a> {
     fn new(
-        renderer: &'a Renderer,
+        (renderer, flight): (&'a Renderer, &'a Flight),
         frame: &'a Frame<'a>,
         shaders: Shaders<'a>,
         layered: Vec<bool>,
         stats: Stats,
     ) -> Drawing<'a> {
         let options = frame.options;
-        let seconds = renderer.device.has_timer().then(DeviceSeconds::default);
+        let seconds = flight.device.has_timer().then(DeviceSeconds::default);
         let stats = Stats { device: Some(DeviceStats { seconds, ..DeviceStats::default() }), ..stats };
         let image = Image::new(options.width, options.height, frame.aovs.clone());
         let kept = if options.keep_ids { image.pixels.len() * per_pixel(frame) } else { 0 };
-        Drawing { renderer, frame, shaders, layered, stats, image, identities: vec![0; kept] }
+        Drawing { renderer, flight, frame, shaders, layered, stats, image, identities: vec![0; kept] }
     }
 
     /// The buckets that are drawn.
@@ -215,7 +217,7 @@ impl<'a> Drawing<'a> {
 
     /// Add up the times of what the device has been given so far, which waits for it.
     fn settle(&mut self) -> Result<(), GpuError> {
-        let stages = self.renderer.device.settle()?;
+        let stages = self.flight.device.settle()?;
         if let Some(all) = self.stats.device.as_mut().and_then(|device| device.seconds.as_mut()) {
             stages.into_iter().for_each(|(stage, seconds)| all.add(stage, seconds));
         }
@@ -233,7 +235,8 @@ impl<'a> Drawing<'a> {
         let (columns, rows) = (width.div_ceil(across), height.div_ceil(down));
         let [w, h] = [across + 2 * margin[0], down + 2 * margin[1]];
         let (n_blocks, n_samples) = (w.div_ceil(BLOCK) * h.div_ceil(BLOCK), w * h * per_pixel(frame));
-        let Renderer { device, kernels, own, kept, limits } = renderer;
+        let Renderer { kernels, own, limits, .. } = renderer;
+        let Flight { device, kept } = self.flight;
         let has_layers = self.layered.iter().any(|is| *is);
         let layers = has_layers.then(|| Layers::new(device, kernels, frame, n_samples, limits.layers)).transpose()?;
         let outputs = Outputs::new(device, kernels, frame, n_samples)?;
@@ -273,7 +276,7 @@ impl<'a> Drawing<'a> {
         let mut window = Window { corner, size: around, blocks: vec![], part: [[0; 2], around] };
         room.samples.start(&window)?;
         if let Some(outputs) = &room.outputs {
-            outputs.start(&self.renderer.device)?;
+            outputs.start(&self.flight.device)?;
         }
         let (later, items) = items.into_iter().partition(|(_, item)| self.layered[item.source as usize]);
         self.opaque(room, &mut window, items)?;
@@ -338,7 +341,7 @@ impl<'a> Drawing<'a> {
         }
         let (wanted, bits) = samples.visible_points()?;
         if let Some(outputs) = &mut *outputs {
-            outputs.reserve(&self.renderer.device, samples.n_points)?;
+            outputs.reserve(&self.flight.device, samples.n_points)?;
         }
         let colors = samples.colors()?.clone();
         let outputs_of = outputs.as_ref();
@@ -417,7 +420,7 @@ impl<'a> Drawing<'a> {
         }
         let start = Instant::now();
         if let Some(outputs) = &mut *outputs {
-            outputs.reserve(&self.renderer.device, samples.n_points)?;
+            outputs.reserve(&self.flight.device, samples.n_points)?;
         }
         let colors = samples.colors()?.clone();
         let opacities = layers.opacities(samples.n_points)?.clone();
@@ -519,14 +522,6 @@ impl<'a> Drawing<'a> {
         }
         self.stats.seconds.filter += start.elapsed().as_secs_f64();
         Ok(Drawn { image, stats: self.stats, identities: self.identities })
-    }
-}
-
-impl DeviceStats {
-    /// The same, with what has gone to the device and come from it.
-    fn with(self, traffic: Traffic) -> DeviceStats {
-        let Traffic { submissions, waits, bytes_written, bytes_read, wait_seconds, compile_seconds } = traffic;
-        DeviceStats { submissions, waits, bytes_written, bytes_read, wait_seconds, compile_seconds, ..self }
     }
 }
 
