@@ -45,6 +45,7 @@ mod quality;
 mod rays;
 mod rendering;
 mod rest;
+mod rollers;
 mod runs;
 mod sheets;
 mod sides;

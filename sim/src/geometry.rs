@@ -55,6 +55,11 @@ impl Hull {
         &self.faces[self.columns[1].farthest(direction)]
     }
 
+    /// The normal of that face.
+    pub fn normal_facing(&self, direction: DVec3) -> DVec3 {
+        self.normals[self.columns[1].farthest(direction)]
+    }
+
     /// The corners of a face that contacts are made of: all, or of more than [`Hull::MOST_CORNERS`] some all around it.
     pub fn corners_of(face: &[u32]) -> impl Iterator<Item = u32> {
         let n = face.len().min(Self::MOST_CORNERS);

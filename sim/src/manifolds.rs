@@ -49,18 +49,18 @@ pub struct Kept {
     pub slack: f64,
 }
 
-/// A point of a kept manifold.
+/// A point of a kept manifold. On a capsule it is the one on its axis.
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 pub struct KeptPoint {
     /// Point on the first shape, m, in its frame.
     pub on_first: DVec3,
     /// Point on the second shape, m, in its frame.
     pub on_second: DVec3,
-    /// Unit normal from the first to the second, in the frame of the shape whose feature is the reference.
+    /// Unit normal from the first to the second, in the frame of the shape whose face it is across, or whose feature is the reference.
     pub normal: DVec3,
     /// Feature id.
     pub feature: u32,
-    /// Whether the reference feature is the second shape's.
+    /// Whether that is the second shape.
     pub is_of_second: bool,
 }
 

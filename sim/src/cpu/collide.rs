@@ -8,7 +8,10 @@ mod boxes;
 pub mod convex;
 pub mod manifold;
 pub mod point;
+pub mod rolling;
 mod round;
+mod sides;
+mod solids;
 mod surface;
 
 use crate::geometry::Surface;
@@ -48,7 +51,7 @@ pub fn collide_along(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &
             swap_shapes(out, n)
         }
         (_, Plane) => surface::convex_plane(a, b, reach, out),
-        _ => manifold::convex_convex(a, b, reach, axis, out),
+        _ => solids::convex_convex(a, b, reach, axis, out),
     }
 }
 

@@ -320,7 +320,13 @@ fn points(
         swap_shapes(out, n)
     } else if keeps(a.kind) && keeps(b.kind) {
         let last = at.last.find(tile, pair as u32, shapes, found);
-        collide_or_recycle([a, b], (pair as u32, shapes), (reach, at.model.recycle), last, (kept, out))
+        collide_or_recycle(
+            [a, b],
+            (pair as u32, shapes),
+            (reach, at.model.recycle, at.model.solver.rest_gap),
+            last,
+            (kept, out),
+        )
     } else {
         collide(a, b, reach, out)
     }

@@ -1,15 +1,18 @@
 //! The contact points of two convex shapes, found again only once the shapes have moved against each other.
 //!
-//! A point is material: it is held in the frame of each shape, the normal in the frame of the shape whose feature is the reference. The gap
-//! along the normal is then exact for flat faces, and wrong by the square of the relative motion over the radius of curvature elsewhere.
+//! Points of faces, edges and corners are held in the frame of each shape, the normal in the frame of the shape whose face it is across. Gaps
+//! are then exact where one of the shapes has a face there. A curved shape that rolls or slides on a face touches it with another point at each
+//! moment, the one that looks against the normal. Where curved shapes touch without a face both normal and points change with all motion, and
+//! what lags behind would drive them on: they are kept while at rest alone.
 //! Relative motion is that since the points were found, so that errors do not add up. Points are looked for somewhat farther than needed,
 //! and pairs without any are kept as well: what falls side by side is not collided again in every step either.
 
 use super::by_shape::ByShape;
 use super::collide::collide_along;
 use super::collide::convex::{Axis, separation};
-use super::collide::manifold::OF_SECOND;
+use super::collide::manifold::{OF_SECOND, is_nearest};
 use super::collide::point::{Placed, Point, Points};
+use super::collide::rolling::{has_face, held, is_curved, rolled};
 use crate::manifolds::{Kept, KeptPoint, Manifolds, TileManifolds};
 use crate::shape::ShapeKind;
 use glam::DVec3;
@@ -19,6 +22,9 @@ const OF_GAP: f64 = 0.1;
 
 /// Share of the reach by which points are looked for farther: speeds grow for a while before they are looked for again.
 const FARTHER: f64 = 0.15;
+
+/// Share of the relative motion up to which points may be carried along that is left to curved shapes which touch without a face.
+const OF_CURVED: f64 = 1e-2;
 
 /// Whether manifolds of a shape are kept: of those whose narrow phase is cheaper than keeping them, none are.
 pub fn keeps(kind: ShapeKind) -> bool {
@@ -67,11 +73,11 @@ impl<'a> Last<'a> {
 }
 
 /// Find the contact points of two convex shapes with a gap of at most `reach`, m, and keep their manifold: those of `last` carried along,
-/// or new ones once the shapes have moved against each other by more than `slack`, m. Returns their count.
+/// or new ones once the shapes have moved against each other by more than `slack`, m. Gaps up to `rest_gap`, m, carry. Returns their count.
 pub fn collide_or_recycle(
     [a, b]: [&Placed; 2],
     (pair, shapes): (u32, [u32; 2]),
-    (reach, slack): (f64, f64),
+    (reach, slack, rest_gap): (f64, f64, f64),
     last: Option<(&Kept, &[KeptPoint])>,
     (kept, out): (&mut TileManifolds, &mut Points),
 ) -> usize {
@@ -113,17 +119,26 @@ pub fn collide_or_recycle(
     }
     let farther = reach * (1.0 + FARTHER);
     let n = collide_along(a, b, farther, &mut axis, out);
+    let face = face_of([a, b], &out[..n]);
     let mut least = farther;
     for p in &out[..n] {
         least = least.min(p.gap);
-        let is_of_second = p.feature & OF_SECOND != 0;
+        let is_of_second = face.unwrap_or(p.feature & OF_SECOND != 0);
         let normal = if is_of_second { b.local(p.normal) } else { a.local(p.normal) };
-        let (on_first, on_second) = (a.local(p.on_first - a.position), b.local(p.on_second - b.position));
+        let on_first = held(a, a.local(p.on_first - a.position), a.local(p.normal));
+        let on_second = held(b, b.local(p.on_second - b.position), b.local(-p.normal));
         let feature = p.feature;
         kept.points.push(KeptPoint { on_first, on_second, normal: normal.normalize(), feature, is_of_second });
     }
+    // Of what does not carry yet the points may be behind: it carries once the gap is closed.
+    let slack = match face {
+        None if n > 0 && (is_curved(a.kind) || is_curved(b.kind)) => {
+            OF_CURVED * slack + if least > 2.0 * rest_gap { OF_GAP * least } else { 0.0 }
+        }
+        _ => slack + OF_GAP * least.max(0.0),
+    };
     let until = if n == 0 { axis.apart.max(farther) } else { farther };
-    let slack = if n == 0 { until } else { slack + OF_GAP * least.max(0.0) };
+    let slack = if n == 0 { until } else { slack };
     keep(n, kept, (axis, until, slack));
     let mut near = 0;
     for k in 0..n {
@@ -133,19 +148,41 @@ pub fn collide_or_recycle(
     near
 }
 
+/// Whether the normal of a manifold is across a face of the second shape, or of the first; `None` where it is across none. Of both that of the reference.
+fn face_of([a, b]: [&Placed; 2], points: &[Point]) -> Option<bool> {
+    let p = points.first()?;
+    let is_across = |is_second: &bool| {
+        if *is_second { has_face(b, b.local(-p.normal)) } else { has_face(a, a.local(p.normal)) }
+    };
+    let is_of_second = p.feature & OF_SECOND != 0;
+    [is_of_second, !is_of_second].into_iter().find(is_across)
+}
+
 /// The points of a manifold where the shapes are now, those with a gap of at most `reach`, m. Returns their count.
 fn carry([a, b]: [&Placed; 2], points: &[KeptPoint], reach: f64, out: &mut Points) -> usize {
+    let curved = [a, b].map(|shape| is_curved(shape.kind));
     let mut n = 0;
     // Most points of a manifold have one normal.
     let (mut known, mut normal) = ((DVec3::ZERO, false), DVec3::ZERO);
     for p in points {
-        let on_first = a.position + a.rotation * p.on_first;
-        let on_second = b.position + b.rotation * p.on_second;
         if known != (p.normal, p.is_of_second) {
             known = (p.normal, p.is_of_second);
             normal = if p.is_of_second { b.rotation * p.normal } else { a.rotation * p.normal };
         }
+        let of_first = curved[0].then(|| rolled(a, p.on_first, a.local(normal), p.feature)).flatten();
+        let of_second = curved[1].then(|| rolled(b, p.on_second, b.local(-normal), p.feature)).flatten();
+        let mut on_first = a.position + a.rotation * of_first.unwrap_or(p.on_first);
+        let mut on_second = b.position + b.rotation * of_second.unwrap_or(p.on_second);
         let gap = (on_second - on_first).dot(normal);
+        // What touches a face has its point there below its own.
+        match (of_first.is_some(), of_second.is_some()) {
+            (true, true) => {}
+            (true, false) => on_second = on_first + normal * gap,
+            (false, true) => on_first = on_second - normal * gap,
+            (false, false) if is_nearest(p.feature) => {}
+            (false, false) if p.is_of_second => on_second = on_first + normal * gap,
+            (false, false) => on_first = on_second - normal * gap,
+        }
         out[n] = Point { normal, on_first, on_second, gap, feature: p.feature };
         n += (gap <= reach) as usize;
         if n == out.len() {
@@ -186,7 +223,7 @@ mod tests {
             let slack = 1e-3;
             let find = |b: &Placed, last: Option<(&Kept, &[KeptPoint])>, kept: &mut TileManifolds| {
                 let mut out = Points::default();
-                let n = collide_or_recycle([&a, b], (0, [0, 1]), (0.2, slack), last, (kept, &mut out));
+                let n = collide_or_recycle([&a, b], (0, [0, 1]), (0.2, slack, 0.0), last, (kept, &mut out));
                 out[..n].to_vec()
             };
             let mut first = TileManifolds::default();
@@ -212,5 +249,82 @@ mod tests {
             assert!((least(&old) - least(&new)).abs() < bound, "{i}: {} {}", least(&old), least(&new));
         }
         assert!(carried > 1_000, "{carried}");
+    }
+
+    /// Shapes that roll a little, on a block, a hull and the end of a cylinder, touch it where they would if they were collided anew.
+    #[test]
+    fn what_rolls_on_a_face_is_touched_below_it() {
+        let mut random = SplitMix64(8);
+        let corners: Vec<DVec3> =
+            (0..8).map(|k| DVec3::from_array([0, 1, 2].map(|axis| ((k >> axis & 1) * 2 - 1) as f64))).collect();
+        let (hull, _) = Hull::of_points(&corners).unwrap();
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let slant = 0.2f64.atan2(0.6);
+        for i in 0..480 {
+            let (kind, size, lying, height) = [
+                (ShapeKind::Cylinder, DVec3::new(0.2, 0.2, 0.3), quarter, 0.2),
+                (ShapeKind::Capsule, DVec3::new(0.2, 0.2, 0.3), quarter, 0.2),
+                (ShapeKind::Ellipsoid, DVec3::splat(0.2), quarter, 0.2),
+                (ShapeKind::Cone, DVec3::new(0.2, 0.2, 0.3), quarter + slant, 0.3 * slant.sin()),
+            ][i % 4];
+            let below = [ShapeKind::Box, ShapeKind::Hull, ShapeKind::Cylinder][i / 4 % 3];
+            let hull = (below == ShapeKind::Hull).then_some(&hull);
+            let frame = Pose { position: DVec3::ZERO, orientation: random.rotation() };
+            let floor = Placed::new(below, DVec3::ONE, frame, hull);
+            let about = DQuat::from_rotation_z(random.between(0.0, 3.0));
+            let rests = about * DQuat::from_rotation_x(lying) * DQuat::from_rotation_z(random.between(0.0, 3.0));
+            let gap = random.between(-1e-4, 1e-3);
+            let at = |rolled: f64| {
+                // The axis of what rolls turns about the vertical as well.
+                let turn = about * DQuat::from_rotation_y(rolled) * about.inverse();
+                let turn = DQuat::from_rotation_z(0.3 * rolled) * turn;
+                let place = DVec3::new(0.1, -0.1, 1.0 + height + gap) + about * DVec3::X * height * rolled;
+                let orientation = frame.orientation * turn * rests;
+                Placed::new(kind, size, Pose { position: frame.orientation * place, orientation }, None)
+            };
+            for (is_second, step) in [(true, 5e-4), (false, -5e-4)] {
+                let find = |b: &Placed, last: Option<(&Kept, &[KeptPoint])>, kept: &mut TileManifolds| {
+                    let mut out = Points::default();
+                    let both = if is_second { [&floor, b] } else { [b, &floor] };
+                    let n = collide_or_recycle(both, (0, [0, 1]), (0.01, 2e-3, 0.0), last, (kept, &mut out));
+                    out[..n].to_vec()
+                };
+                let [mut first, mut second] = [TileManifolds::default(), TileManifolds::default()];
+                find(&at(0.0), None, &mut first);
+                let last = first.kept.first().map(|kept| (kept, &first.points[..]));
+                let moved = at(step);
+                let (old, new) = (find(&moved, last, &mut second), find(&moved, None, &mut TileManifolds::default()));
+                assert!(second.kept[0].position == first.kept[0].position, "{kind:?} on {below:?}: not carried");
+                assert!(!new.is_empty() && old.len() == new.len(), "{kind:?} on {below:?}: {old:?} {new:?}");
+                for p in &old {
+                    // The points of a search are right to a few millionths of the size.
+                    let is_same =
+                        |q: &Point| p.on_first.distance(q.on_first) < 2e-5 && p.on_second.distance(q.on_second) < 2e-5;
+                    assert!(new.iter().any(is_same), "{kind:?} on {below:?}: {old:?} {new:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn curved_shapes_that_touch_without_a_face_are_carried_at_rest_alone() {
+        let size = DVec3::new(0.2, 0.2, 0.4);
+        let place = |position: DVec3, orientation: DQuat| {
+            Placed::new(ShapeKind::Cylinder, size, Pose { position, orientation }, None)
+        };
+        let a = place(DVec3::ZERO, DQuat::IDENTITY);
+        let across = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
+        for (gap, shift, is_carried) in [(0.0, 1e-7, true), (0.0, 1e-4, false), (5e-3, 1e-4, true)] {
+            let mut out = Points::default();
+            let [mut first, mut second] = [TileManifolds::default(), TileManifolds::default()];
+            let at = DVec3::new(0.4 + gap, 0.0, 0.0);
+            let mut find = |b: &Placed, last: Option<(&Kept, &[KeptPoint])>, kept: &mut TileManifolds| {
+                collide_or_recycle([&a, b], (0, [0, 1]), (0.01, 1e-3, 1e-3), last, (kept, &mut out))
+            };
+            assert_eq!(find(&place(at, across), None, &mut first), 1);
+            let last = first.kept.first().map(|kept| (kept, &first.points[..]));
+            assert_eq!(find(&place(at + DVec3::Z * shift, across), last, &mut second), 1);
+            assert_eq!(second.kept[0].position == first.kept[0].position, is_carried, "{gap} {shift}");
+        }
     }
 }

@@ -382,16 +382,62 @@ fn nearest_points(a: Placed, b: Placed, reach: f32) -> u32 {
     let fb = feature_of(b, -nearest.normal, 1u);
     let size = min(min(a.half.x, min(a.half.y, a.half.z)), min(b.half.x, min(b.half.y, b.half.z)));
     let extent = max(max(a.half.x, max(a.half.y, a.half.z)), max(b.half.x, max(b.half.y, b.half.z)));
+    if is_side(a, fa) && is_side(b, fb) {
+        return with_nearest(side_points(a, b, fa, fb, nearest.normal, reach), nearest, vec2(size, extent));
+    }
     return feature_points(fa, fb, nearest, reach, vec2(size, extent));
+}
+
+// Whether a shape is a cylinder or a capsule that is met at its side.
+fn is_side(shape: Placed, feature: Feature) -> bool {
+    return feature.n == 2u && (shape.kind == CYLINDER || shape.kind == CAPSULE);
+}
+
+// The way from the axis of a shape to a point across it, and how far along it that is; for a capsule the way from the nearest point of the axis.
+fn from_axis(shape: Placed, point: vec3<f32>) -> vec4<f32> {
+    let offset = point - shape.position;
+    let at = dot(shape.frame[2], offset);
+    let foot = select(at, clamp(at, -shape.half.z, shape.half.z), shape.kind == CAPSULE);
+    return vec4(offset - shape.frame[2] * foot, at);
+}
+
+// The points of two shapes that meet side by side: at both ends of where they lie along each other, each with the gap and the normal that it
+// has there. Returns their number.
+// Twin: cpu/collide/sides.rs
+fn side_points(a: Placed, b: Placed, fa: Feature, fb: Feature, normal: vec3<f32>, reach: f32) -> u32 {
+    // Cosine between the normal of a point and that of the nearest ones, at least: axes that cross have no other points.
+    const TOWARDS: f32 = 0.5;
+    // How far beyond the end of a cylinder a point may be that is taken for one beside it, over its radius.
+    const BEYOND: f32 = 1e-2;
+    let n = clip_either(fa, fb, normal, 3e38, false);
+    let along = b.frame[2];
+    var kept = 0u;
+    for (var k = 0u; k < n; k++) {
+        let at = dot(along, found[k].on_second - b.position);
+        let on_axis = b.position + along * clamp(at, -b.half.z, b.half.z);
+        var out = from_axis(a, on_axis).xyz;
+        if b.kind == CYLINDER {
+            // Across the axis a cylinder reaches as far, along it no farther than its end.
+            out -= along * dot(along, out);
+        }
+        let on_second = on_axis - out * (b.half.x / max(length(out), 1e-30));
+        let own = from_axis(a, on_second);
+        let distance = length(own.xyz);
+        let gap = distance - a.half.x;
+        let is_beyond = a.kind == CYLINDER && abs(own.w) > a.half.z + BEYOND * a.half.x;
+        if gap <= reach && dot(own.xyz, normal) > TOWARDS * distance && !is_beyond {
+            let unit = own.xyz / distance;
+            found[kept] = Point(unit, on_second - unit * gap, on_second, gap, found[k].feature);
+            kept++;
+        }
+    }
+    return kept;
 }
 
 // The corners of two clipped features, and the nearest point where none of them is as near, for the least and the greatest half length of
 // the shapes. Returns the number of points.
 fn feature_points(fa: Feature, fb: Feature, nearest: Point, reach: f32, size: vec2<f32>) -> u32 {
-    // What the nearest point may be nearer than all others by, over the least half length, and over the greatest, by rounding; and the points of parallel
-    // edges beside each other, over the least.
-    const NEAR: f32 = 1e-5;
-    const ROUND: f32 = 1e-6;
+    // What the points of parallel edges may lie beside each other by, over the least half length.
     const BESIDE: f32 = 1e-2;
     let n = nearest.normal;
     let of_a = abs(dot(face_normal(fa), n));
@@ -412,6 +458,15 @@ fn feature_points(fa: Feature, fb: Feature, nearest: Point, reach: f32, size: ve
             }
         }
     }
+    return with_nearest(kept, nearest, size);
+}
+
+// The nearest points are put after `n` others where none of these is as near. Returns the number of points.
+fn with_nearest(n: u32, nearest: Point, size: vec2<f32>) -> u32 {
+    // What the nearest point may be nearer than all others by, over the least half length, and over the greatest, by rounding.
+    const NEAR: f32 = 1e-5;
+    const ROUND: f32 = 1e-6;
+    var kept = n;
     var least = 3e38;
     for (var k = 0u; k < kept; k++) {
         least = min(least, found[k].gap);

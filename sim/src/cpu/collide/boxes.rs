@@ -4,8 +4,9 @@
 //! cross, have the nearest points of any two convex shapes.
 
 use super::convex::Axis;
-use super::manifold::{OF_SECOND, convex_convex, cut_id, feature_id};
+use super::manifold::{OF_SECOND, cut_id, feature_id};
 use super::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
+use super::solids::convex_convex;
 use glam::{DMat3, DVec3};
 
 /// What a separation is more than another one, over the least half length, to be clearly greater.

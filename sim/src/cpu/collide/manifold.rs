@@ -1,6 +1,6 @@
 //! Contact manifolds: the faces, edges or corners by which two convex shapes meet are clipped against each other.
 
-use super::convex::{self, Axis, Nearest, support_local};
+use super::convex::{Nearest, support_local};
 use super::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
 use crate::ShapeKind;
 use crate::geometry::Hull;
@@ -19,6 +19,21 @@ const HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Bit of the feature ids of points whose reference feature was the second shape's.
 pub const OF_SECOND: u32 = 1 << 15;
+
+/// Bit of the feature ids of the nearest points of two shapes, which are of no corner.
+const NEAREST: u32 = 1 << 16;
+
+/// Whether a point is the nearest of two shapes, by its feature id, and no corner of a feature.
+pub fn is_nearest(feature: u32) -> bool {
+    feature & NEAREST != 0
+}
+
+/// Whether what faces a direction, unit, of the frame of a cylinder or a cone is its flat end.
+pub fn is_end(kind: ShapeKind, d: DVec3) -> bool {
+    /// Cosine of the angle between them.
+    const ALONG: f64 = 0.7;
+    (if kind == ShapeKind::Cylinder { d.z.abs() } else { -d.z }) > ALONG
+}
 
 /// A feature of a shape: a face (three corners and more, in order), an edge (two) or a corner (one) in the world, each corner with its
 /// id.
@@ -87,7 +102,7 @@ pub fn feature(shape: &Placed, direction: DVec3) -> Feature {
                 Hull::corners_of(hull.facing(d)).for_each(|v| local(hull.vertices[v as usize], v + 1));
             }
         }
-        ShapeKind::Cylinder if d.z.abs() > 0.7 * d.length() => {
+        ShapeKind::Cylinder if is_end(shape.kind, d.normalize_or_zero()) => {
             let side = if d.z < 0.0 { RIM } else { 0 };
             (0..RIM).for_each(|k| local(rim(k, size.z.copysign(d.z)), (side + k + 1) as u32));
         }
@@ -96,7 +111,9 @@ pub fn feature(shape: &Placed, direction: DVec3) -> Feature {
             local(out.extend(size.z), 41);
             local(out.extend(-size.z), 42);
         }
-        ShapeKind::Cone if d.z < -0.7 * d.length() => (0..RIM).for_each(|k| local(rim(k, -size.z), k as u32 + 1)),
+        ShapeKind::Cone if is_end(shape.kind, d.normalize_or_zero()) => {
+            (0..RIM).for_each(|k| local(rim(k, -size.z), k as u32 + 1))
+        }
         ShapeKind::Cone => {
             let across = d.truncate().normalize_or_zero();
             let side = (across * 2.0 * size.z).extend(size.x).normalize();
@@ -120,63 +137,9 @@ pub fn feature(shape: &Placed, direction: DVec3) -> Feature {
     f
 }
 
-/// The contact points of two convex shapes, neither a plane nor a mesh, with the axis as [`convex::nearest`] has it. Returns their count.
-pub fn convex_convex(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Points) -> usize {
-    let nearest = side_by_side(a, b, reach, axis).unwrap_or_else(|| convex::nearest(a, b, reach, axis));
-    match nearest {
-        Some(nearest) => {
-            let (fa, fb) = (feature(a, nearest.normal), feature(b, -nearest.normal));
-            points(&fa, &fb, &nearest, reach, a.size.min_element().min(b.size.min_element()), out)
-        }
-        None => 0,
-    }
-}
-
-/// The nearest points where a cylinder meets another shape with its side, or `None` of them if the gap is above `reach`, m, with the axis
-/// as [`convex::nearest`] has it; `None` where it may meet it otherwise. The cylinder is a capsule there, whose distance, that of its axis, has no curved
-/// outline to search.
-fn side_by_side(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis) -> Option<Option<Nearest>> {
-    /// Cosine between the axis of a cylinder and the direction to what it meets with its side; and of one worth a trial.
-    const ASIDE: [f64; 2] = [1e-4, 0.1];
-    /// What an overlap may be less by elsewhere, over the least size: the search for it has an error.
-    const LESS: f64 = 1e-6;
-    let is_cylinder = |shape: &Placed| shape.kind == ShapeKind::Cylinder;
-    let along = |direction: DVec3, shape: &Placed| if is_cylinder(shape) { shape.local(direction).z } else { 0.0 };
-    let is_aside = |direction: DVec3, most: f64| along(direction, a).abs().max(along(direction, b).abs()) <= most;
-    if !is_cylinder(a) && !is_cylinder(b) || !is_aside(axis.direction, ASIDE[1]) {
-        return None;
-    }
-    // The capsule of a cylinder's radius and length has its round ends beyond the cylinder's.
-    let [of_a, of_b] =
-        [a, b].map(|shape| if is_cylinder(shape) { Placed { kind: ShapeKind::Capsule, ..*shape } } else { *shape });
-    let mut own = *axis;
-    let Some(nearest) = convex::nearest(&of_a, &of_b, reach, &mut own) else {
-        // The capsules are around the cylinders.
-        *axis = Axis { apart: convex::separation(a, b, own.direction), ..own };
-        return Some(None);
-    };
-    if !is_aside(nearest.normal, ASIDE[0]) {
-        return None;
-    }
-    // Along the normal a cylinder that leans reaches less far than the capsule.
-    let gap = nearest.gap.max(convex::separation(a, b, nearest.normal));
-    // An overlap may be less along an axis or a direction in between.
-    if gap < 0.0 {
-        let elsewhere = convex::nearest(a, b, reach, axis);
-        let least = gap + LESS * a.size.min_element().min(b.size.min_element());
-        if elsewhere.is_some_and(|elsewhere| elsewhere.gap > least) {
-            return Some(elsewhere);
-        }
-    }
-    *axis = Axis { apart: gap, ..own };
-    Some((gap <= reach).then_some(Nearest { gap, ..nearest }))
-}
-
 /// The manifold of two features with given nearest points: the corners of the clipped features within `reach`, m, and the nearest
 /// point where none of them is as near. Returns the number of points.
 pub fn points(fa: &Feature, fb: &Feature, nearest: &Nearest, reach: f64, size: f64, out: &mut Points) -> usize {
-    /// What the nearest point may be nearer than all others by, over the size.
-    const NEAR: f64 = 1e-5;
     /// What the points of parallel edges may lie beside each other by, over the size.
     const BESIDE: f64 = 1e-2;
     let n = nearest.normal;
@@ -201,11 +164,18 @@ pub fn points(fa: &Feature, fb: &Feature, nearest: &Nearest, reach: f64, size: f
             kept = 0;
         }
     }
+    with_nearest(nearest, size, kept, out)
+}
+
+/// The nearest points of two shapes are put after `kept` others where none of these is as near. Returns the number of points.
+pub fn with_nearest(nearest: &Nearest, size: f64, mut kept: usize, out: &mut Points) -> usize {
+    /// What the nearest point may be nearer than all others by, over the size.
+    const NEAR: f64 = 1e-5;
     let min_gap = out[..kept].iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
     if min_gap > nearest.gap + NEAR * size {
         let place = if kept < MAX_POINTS { kept } else { MAX_POINTS - 1 };
         let Nearest { normal, on_first, on_second, gap } = *nearest;
-        out[place] = Point { normal, on_first, on_second, gap, feature: 1 << 16 };
+        out[place] = Point { normal, on_first, on_second, gap, feature: NEAREST };
         kept = place + 1;
     }
     kept

@@ -228,11 +228,11 @@ fn overlaps_are_left_by_the_nearest_way() {
             met += 1;
         }
         // Separated by the depth, they hardly overlap.
-        let deepest = points(&a, &b, 0.0).iter().map(|p| p.gap).fold(0.0, f64::min);
-        if let Some(first) = points(&a, &b, 0.0).first() {
-            let separated = Placed { position: b.position - first.normal * deepest, ..b };
+        let overlapping = points(&a, &b, 0.0);
+        if let Some(deepest) = overlapping.iter().min_by(|p, q| p.gap.total_cmp(&q.gap)) {
+            let separated = Placed { position: b.position - deepest.normal * deepest.gap.min(0.0), ..b };
             let left = points(&a, &separated, 0.0).iter().map(|p| p.gap).fold(0.0, f64::min);
-            assert!(left > -2e-3, "{p:?} {q:?}: {left} of {deepest}");
+            assert!(left > -2e-3, "{p:?} {q:?}: {left} of {deepest:?}");
         }
     }
     assert!(met > 1000, "{met}");
@@ -506,6 +506,52 @@ fn a_cylinder_along_a_face_or_an_edge_has_both_ends() {
                 let tilt = (p.normal * sign - turn * normal).length();
                 assert!(tilt < 3e-6 && (p.gap - gap).abs() < 5e-7, "{i} {kind:?}: {tilt:e}, {:e} for {gap:e}", p.gap);
             }
+        }
+    }
+}
+
+/// Logs that lie along each other, askew by little or much, have points at both ends of where they do, with the gaps that they have there.
+#[test]
+fn logs_askew_have_points_where_they_lie_along_each_other() {
+    let (radii, half, reach) = ([0.05, 0.07], [0.5, 0.4], 8e-3);
+    let mut random = SplitMix64(12);
+    for i in 0..4_000 {
+        let kinds =
+            [[ShapeKind::Cylinder; 2], [ShapeKind::Capsule; 2], [ShapeKind::Cylinder, ShapeKind::Capsule]][i % 3];
+        let askew = [0.0, 10f64.powf(random.between(-5.0, -1.0)), random.between(0.2, 1.5)][i / 3 % 3];
+        let gap = random.between(-2e-3, 2e-3);
+        let (frame, shift) = (random.rotation(), random.between(-0.05, 0.05));
+        let at = frame * DVec3::new(radii[0] + radii[1] + gap, 0.0, shift);
+        let spin = |random: &mut SplitMix64| DQuat::from_rotation_z(random.between(-3.0, 3.0));
+        let log = |k: usize, position: DVec3, orientation: DQuat| {
+            placed(kinds[k], [radii[k], radii[k], half[k]], position, orientation)
+        };
+        let a = log(0, DVec3::ZERO, frame * spin(&mut random));
+        let turned = frame * DQuat::from_rotation_x(askew) * spin(&mut random);
+        let b = log(1, at, turned);
+        let found = points(&a, &b, reach);
+        // The ends of the second, which is the shorter one, beside the axis of the first.
+        let ends = [half[1], -half[1]].map(|z| {
+            let end = frame.inverse() * (at + turned * DVec3::Z * z);
+            (end.truncate().length() - radii[0] - radii[1], end.z)
+        });
+        let near = ends.iter().filter(|(gap, z)| *gap < 0.9 * reach && z.abs() < half[0]);
+        for (gap, z) in near.clone() {
+            let is_there = |p: &Point| {
+                let place = frame.inverse() * p.on_first;
+                (place.z - z).abs() < 2e-2 && (p.gap - gap).abs() < 0.02 * askew * askew + 1e-6
+            };
+            assert!(found.iter().any(is_there), "{i} {kinds:?} {askew}: {ends:?} {found:?}");
+        }
+        let most = if ends.iter().all(|(gap, _)| *gap > 1.1 * reach) { 1 } else { 3 };
+        assert!((1..=most).contains(&found.len()), "{i} {kinds:?} {askew}: {ends:?} {found:?}");
+        let least = found.iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
+        assert!((least - gap).abs() < 2e-6, "{i} {kinds:?} {askew}: {least} for {gap}");
+        // Points of both shapes, across from each other.
+        for p in &found {
+            assert!((p.on_second - p.on_first - p.normal * p.gap).length() < 1e-12, "{i}: {p:?}");
+            let out = (frame.inverse() * p.on_first).truncate().length();
+            assert!((out - radii[0]).abs() < 1e-6, "{i} {kinds:?} {askew}: {out} {p:?}");
         }
     }
 }
