@@ -64,6 +64,15 @@ struct Closing {
     fastest: Buffer<u32>,
 }
 
+/// The columns of visits to contacts of spheres.
+struct SphereVisits {
+    /// What the visits of each tile need of their contacts, and their impulses, in their order (n_pairs).
+    visits: Buffer<[u32; 12]>,
+    impulses: Buffer<[f32; 4]>,
+    /// The tiles in which any pair touches (n_tiles).
+    swept: Buffer<[u32; 4]>,
+}
+
 /// The kernels of the visits.
 enum Visits {
     /// Of contacts of spheres.
@@ -74,11 +83,7 @@ enum Visits {
         later: Kernel,
         rest: Kernel,
         end: Kernel,
-        /// What the visits of each tile need of their contacts, and their impulses, in their order (n_pairs).
-        visits: Buffer<[u32; 12]>,
-        impulses: Buffer<[f32; 4]>,
-        /// The tiles in which any pair touches (n_tiles).
-        swept: Buffer<[u32; 4]>,
+        columns: Box<SphereVisits>,
     },
     /// Of manifolds, the contacts of a pair of any shapes.
     Manifolds {
@@ -100,9 +105,11 @@ impl Visits {
                 later: get("tile_sweep_later", include_str!("tile_sweep_later.wgsl"))?,
                 rest: get("rest_sweep", include_str!("rest_sweep.wgsl"))?,
                 end: get("tile_end", include_str!("tile_end.wgsl"))?,
-                visits: Buffer::zeros(device, "visits", tiles.order.capacity())?,
-                impulses: Buffer::zeros(device, "impulses of visits", tiles.order.capacity())?,
-                swept: Buffer::zeros(device, "swept tiles", tiles.visited.capacity())?,
+                columns: Box::new(SphereVisits {
+                    visits: Buffer::zeros(device, "visits", tiles.order.capacity())?,
+                    impulses: Buffer::zeros(device, "impulses of visits", tiles.order.capacity())?,
+                    swept: Buffer::zeros(device, "swept tiles", tiles.visited.capacity())?,
+                }),
             },
             Narrow::Any => Visits::Manifolds {
                 write: get("visit_write", include_str!("visit_write.wgsl"))?,
@@ -222,10 +229,10 @@ impl GaussSeidel {
         let bound = [problem.scalars.bind(), self.work.bind(), problem.n_contacts.n.bind()];
         let params = [settings.iterations.unwrap_or(0)];
         commands.dispatch(device, &self.start, &bound, &params, Work::Groups(1));
-        if let Visits::Spheres { gather, visits, impulses, swept, .. } = &self.visits {
+        if let Visits::Spheres { gather, columns, .. } = &self.visits {
             let of_tiles = [c.tile.bind(), c.order.bind(), c.place.bind(), c.round_start.bind()];
             let of_contacts = [problem.row(), problem.motion.bind(), problem.gamma.bind()];
-            let out = [visits.bind(), impulses.bind(), swept.bind()];
+            let out = [columns.visits.bind(), columns.impulses.bind(), columns.swept.bind()];
             let bound: Vec<Bound> = of_tiles.into_iter().chain(of_contacts).chain(out).collect();
             self.over_tiles(device, commands, (gather, &bound, &[self.params[1]]));
         }
@@ -238,10 +245,10 @@ impl GaussSeidel {
 
     /// Record the end: the impulses of the contacts are those of their visits.
     pub fn record_end(&self, device: &Device, commands: &mut Commands, problem: &Problem) {
-        if let Visits::Spheres { end, impulses, .. } = &self.visits {
+        if let Visits::Spheres { end, columns, .. } = &self.visits {
             let c = &self.columns;
             let of_tiles = [c.tile.bind(), c.order.bind(), c.place.bind()];
-            let out = [impulses.bind(), c.round_start.bind(), problem.gamma.bind()];
+            let out = [columns.impulses.bind(), c.round_start.bind(), problem.gamma.bind()];
             let bound: Vec<Bound> = of_tiles.into_iter().chain(out).collect();
             self.over_tiles(device, commands, (end, &bound, &[]));
         }
@@ -335,7 +342,8 @@ impl GaussSeidel {
         let [mass, orientation] = problem.inertia();
         let [roll, roll_row] = problem.rolling();
         match &self.visits {
-            Visits::Spheres { visits, impulses, swept, .. } => {
+            Visits::Spheres { columns, .. } => {
+                let SphereVisits { visits, impulses, swept } = &**columns;
                 let sweep =
                     [visits.bind(), swept.bind()].into_iter().chain(of_tiles).chain([impulses.bind(), moved, scalars]);
                 let rest = [row, place].into_iter().chain(of_big);
