@@ -90,7 +90,7 @@ for path in $(grep -l '^@compute' $kernels/*.wgsl); do
     esac
     row "$name" "$kernels/$name.wgsl" plain
     # Those to spheres alone.
-    case $name in *_sweep | tile_visits) continue ;; esac
+    case $name in *_sweep | tile_sweep_later | tile_visits) continue ;; esac
     # The same for shapes of any kind, where it differs.
     cp "$work/$name.wgsl" "$work/spheres.wgsl"
     path=plain swaps=$any seen=
