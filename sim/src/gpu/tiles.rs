@@ -58,7 +58,7 @@ pub struct Tiles {
     /// First tile of each round and of the pairs in no tile, and the end (10).
     pub round_start: Buffer<u32>,
     /// Colours of the pairs (n_pairs).
-    pub color: Buffer<u32>,
+    color: Buffer<u32>,
     /// Places of a pair's bodies in the list of its tile, 16 bits each; the pairs of a big tile by their colours (n_pairs).
     pub local: Buffer<u32>,
     /// Bodies of each tile, or ends of the colours of a big one, from twice its first pair on (2 n_pairs).
@@ -66,7 +66,7 @@ pub struct Tiles {
     /// Number of bodies of each tile; of a big one, number of pairs without a colour and of colours (n_tiles).
     pub size: Buffer<[u32; 2]>,
     /// Whether a tile does not fit a workgroup (n_tiles).
-    pub is_big: Buffer<u32>,
+    is_big: Buffer<u32>,
     /// First pair of each tile, number of visits, place of the first body, and numbers of bodies and of colours (n_tiles).
     pub visited: Buffer<[u32; 4]>,
     /// Visits of each tile (n_pairs).
