@@ -161,8 +161,8 @@ fn checkpoints_that_lie_resume_nothing() {
         ("a contact 0", |s| s.contacts.key[0][1] = 77),
         ("a contact 0", |s| s.contacts.law[0] = 77),
         ("different lengths", |s| s.contacts.gap.clear()),
-        ("manifolds of tile 0", |s| s.manifolds.tiles[0].kept.push(manifold(1, [0, 77]))),
-        ("manifolds of tile 0", |s| s.manifolds.tiles[0].kept.push(manifold(1, [0, 1]))),
+        ("manifolds of part 0", |s| s.manifolds.parts[0].kept.push(manifold(1, [0, 77]))),
+        ("manifolds of part 0", |s| s.manifolds.parts[0].kept.push(manifold(1, [0, 1]))),
     ];
     for (message, lie) in lies {
         let mut state = state.clone();

@@ -195,7 +195,7 @@ fn kept_manifolds_do_not_depend_on_threads_or_checkpoints() {
         sim.state
     };
     let whole = run(1, first.state.clone(), 300);
-    assert!(whole.manifolds.tiles.iter().map(|tile| tile.kept.len()).sum::<usize>() > 300);
+    assert!(whole.manifolds.parts.iter().map(|part| part.kept.len()).sum::<usize>() > 300);
     checkpoint::write(&path("whole"), &whole, "").unwrap();
     checkpoint::write(&path("half"), &run(2, first.state.clone(), 171), "").unwrap();
     let half = checkpoint::read(&path("half")).unwrap().0;

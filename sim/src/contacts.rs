@@ -46,9 +46,25 @@ pub struct Tiles {
     pub start: Vec<u32>,
     /// Number of tiles of the first round.
     pub n_first: usize,
+    /// Where each body lies in columns in which those of a tile are neighbours, in cache lines of their own (n_bodies; empty where it is not
+    /// known: columns of `n_places` rows).
+    pub place: Vec<u32>,
+    /// Length of these columns.
+    pub n_places: usize,
 }
 
 impl Tiles {
+    /// The places of the bodies, or their numbers where these are not known; returns the length of columns by them.
+    pub fn places(&self, n_bodies: usize, out: &mut Vec<u32>) -> usize {
+        out.clear();
+        if self.place.len() == n_bodies {
+            out.extend_from_slice(&self.place);
+            return self.n_places;
+        }
+        out.extend(0..n_bodies as u32);
+        n_bodies
+    }
+
     /// The tiles of each round: the first contact of each tile, and the end of the last one.
     pub fn rounds(&self) -> [&[u32]; 2] {
         rounds_of(&self.start, self.n_first)

@@ -81,7 +81,7 @@ impl Backend for Cpu {
         match stage {
             Stage::Bounds => self.bounds(model, plan, state),
             Stage::BinEmit | Stage::BinSort | Stage::BinStart | Stage::PairWrite if self.pairs_hold => return false,
-            Stage::BinEmit => bin_emit::run(model, state, &mut self.bins),
+            Stage::BinEmit => bin_emit::run(model, state, plan, &mut self.bins),
             Stage::BinSort => gpu::radix_sort::sort_cpu(&mut self.bins.bin, &mut self.bins.shape, self.bins.grid.len()),
             Stage::BinStart => bin_start::run(&self.bins.bin, &mut self.bins.start),
             Stage::PairWrite => {

@@ -53,6 +53,7 @@ pub mod stages;
 mod state;
 mod swing;
 mod table;
+mod team;
 mod terrain;
 mod twist;
 mod warning;

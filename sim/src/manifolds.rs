@@ -9,16 +9,16 @@ pub type Corner = u16;
 /// The corners of two shapes that their nearest points lie between, pair by pair; zeros after the last.
 pub type Corners = [[Corner; 2]; 3];
 
-/// The kept manifolds of all pairs, by tiles of the candidate pairs.
+/// The kept manifolds of all pairs, by parts of the candidate pairs.
 #[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Manifolds {
-    /// The manifolds of each tile, and of the pairs in no tile.
-    pub tiles: Vec<TileManifolds>,
+    /// The manifolds of each part, which is some pairs of a tile (`contact_write`).
+    pub parts: Vec<PartManifolds>,
 }
 
-/// The kept manifolds of a tile.
+/// The kept manifolds of a part.
 #[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
-pub struct TileManifolds {
+pub struct PartManifolds {
     /// The manifolds, in the order of their pairs.
     pub kept: Vec<Kept>,
     /// Points of all manifolds, one manifold after the other.
@@ -28,7 +28,7 @@ pub struct TileManifolds {
 /// A kept manifold.
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Kept {
-    /// Index of the pair within its tile, in the step that it was last used in.
+    /// Index of the pair within its part, in the step that it was last used in.
     pub pair: u32,
     /// End of its points.
     pub end: u32,
@@ -64,7 +64,7 @@ pub struct KeptPoint {
     pub is_of_second: bool,
 }
 
-impl TileManifolds {
+impl PartManifolds {
     /// The points of a manifold.
     pub fn points_of(&self, k: usize) -> &[KeptPoint] {
         let first = if k == 0 { 0 } else { self.kept[k - 1].end };
@@ -84,9 +84,9 @@ impl Manifolds {
     /// # Errors
     /// What does not fit, for a message.
     pub(crate) fn fit(&self, n_shapes: usize) -> Result<(), String> {
-        let is_sound = |tile: &TileManifolds| {
-            let n_points = tile.kept.last().map_or(0, |k| k.end as usize);
-            let ascend = tile.kept.windows(2).all(|k| k[0].end <= k[1].end && k[0].pair < k[1].pair);
+        let is_sound = |part: &PartManifolds| {
+            let n_points = part.kept.last().map_or(0, |k| k.end as usize);
+            let ascend = part.kept.windows(2).all(|k| k[0].end <= k[1].end && k[0].pair < k[1].pair);
             let numbers = |k: &Kept| {
                 k.shapes.iter().all(|s| (*s as usize) < n_shapes)
                     && k.position.is_finite()
@@ -96,10 +96,10 @@ impl Manifolds {
                     && k.slack.is_finite()
             };
             let place = |p: &KeptPoint| p.on_first.is_finite() && p.on_second.is_finite() && p.normal.is_normalized();
-            ascend && n_points == tile.points.len() && tile.kept.iter().all(numbers) && tile.points.iter().all(place)
+            ascend && n_points == part.points.len() && part.kept.iter().all(numbers) && part.points.iter().all(place)
         };
-        match self.tiles.iter().position(|tile| !is_sound(tile)) {
-            Some(tile) => Err(format!("has manifolds of tile {tile} of no shapes of the model")),
+        match self.parts.iter().position(|part| !is_sound(part)) {
+            Some(part) => Err(format!("has manifolds of part {part} of no shapes of the model")),
             None => Ok(()),
         }
     }

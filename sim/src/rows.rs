@@ -4,10 +4,10 @@
 use rayon::prelude::*;
 
 /// Rows of a chunk, the work of one task.
-pub const CHUNK: usize = 1024;
+pub const CHUNK: usize = 256;
 
 /// Rows up to which a loop is serial: tasks would cost more than they save.
-pub const SERIAL_LIMIT: usize = 4 * CHUNK;
+pub const SERIAL_LIMIT: usize = 16 * CHUNK;
 
 /// Fill `out[i] = f(i)` in parallel.
 pub fn fill_rows<T: Send>(out: &mut [T], f: impl Fn(usize) -> T + Sync) {

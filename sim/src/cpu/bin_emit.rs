@@ -13,6 +13,7 @@
 
 use crate::aabb::Aabb;
 use crate::model::Model;
+use crate::plan::{Narrow, StepPlan};
 use crate::rows::{CHUNK, fill_rows, scatter_rows};
 use crate::state::State;
 use glam::{UVec3, Vec3A};
@@ -63,6 +64,8 @@ pub struct BinGrid {
     pub level: Vec<u8>,
     /// Bin coordinates of the minimum corner of each shape's box, on its own level (n_shapes).
     pub low: Vec<UVec3>,
+    /// Log₂ of the number of bins along the edge of a brick.
+    brick: u32,
     /// Number of bins, with those that pad the bricks.
     n_bins: u32,
 }
@@ -89,14 +92,17 @@ impl BoxStatistics {
     }
 }
 
-/// Log₂ of the number of bins along the edge of a brick, which is about a dozen grains long.
-const BRICK: u32 = 3;
+/// Log₂ of the number of bins along the edge of a brick, which is about a dozen grains long, or half of that where there are few spheres: each
+/// thread then has tiles enough. Blocks of other shapes fill their lanes in large tiles alone.
+const BRICK: [u32; 2] = [3, 2];
+/// Number of spheres up to which there are few.
+const FEW_SPHERES: u32 = 50_000;
 /// Maximum number of bins.
 const MAX_BINS: f32 = 16_000_000.0;
 
 impl BinGrid {
     /// Choose the bins for a set of boxes: a bin of the finest level has three or four shapes of the usual size.
-    pub fn choose(&mut self, model: &Model, state: &State, aabb: &[Aabb]) {
+    pub fn choose(&mut self, model: &Model, state: &State, plan: &StepPlan, aabb: &[Aabb]) {
         let moving =
             |s: usize| state.moves(model.shape_body[s] as usize) && aabb[s].min.is_finite() && aabb[s].max.is_finite();
         let chunks: Vec<BoxStatistics> = aabb
@@ -117,6 +123,7 @@ impl BinGrid {
             return;
         }
         (self.origin, self.end) = (min, max);
+        self.brick = BRICK[(plan.narrow == Narrow::Spheres && n <= FEW_SPHERES) as usize];
         let extent = max - min;
         // The harmonic mean of the widths: a few large shapes do not coarsen the bins of many small ones.
         let mut size = (1.7 * n as f64 / inv_width) as f32;
@@ -143,11 +150,11 @@ impl BinGrid {
         for l in (0..LEVELS).rev() {
             let size = finest * 4f32.powi(l as i32);
             let n = n_of(size).as_uvec3();
-            let bricks = (n + (1 << BRICK) - 1) >> BRICK;
-            let lack = ((bricks << BRICK) - n) / 2;
+            let bricks = (n + (1 << self.brick) - 1) >> self.brick;
+            let lack = ((bricks << self.brick) - n) / 2;
             self.levels[l] = Level { size, n, bricks, lack, first: self.n_bins, used: used[l] };
             if used[l] {
-                self.n_bins += bricks.element_product() << (3 * BRICK);
+                self.n_bins += bricks.element_product() << (3 * self.brick);
             }
         }
         let mut low = std::mem::take(&mut self.low);
@@ -160,23 +167,23 @@ impl BinGrid {
     #[inline]
     pub fn coordinates(&self, level: usize, index: u32) -> UVec3 {
         let Level { bricks: n, first, .. } = self.levels[level];
-        let (inner, k) = (index - first, (index - first) >> (3 * BRICK));
+        let (inner, k) = (index - first, (index - first) >> (3 * self.brick));
         let brick = UVec3::new(k % n.x, k / n.x % n.y, k / (n.x * n.y));
-        let mask = (1 << BRICK) - 1;
-        (brick << BRICK) + (UVec3::new(inner, inner >> BRICK, inner >> (2 * BRICK)) & mask)
+        let mask = (1 << self.brick) - 1;
+        (brick << self.brick) + (UVec3::new(inner, inner >> self.brick, inner >> (2 * self.brick)) & mask)
     }
 
     /// Index of a bin's brick.
     #[inline]
     pub fn brick(&self, index: u32) -> u32 {
-        index >> (3 * BRICK)
+        index >> (3 * self.brick)
     }
 
     /// Index of the brick with the minimum corner of a shape's box, and the same for bricks that are shifted by half a brick along each
     /// axis.
     pub fn bricks_of(&self, shape: usize) -> [u32; 2] {
         let (level, low) = (self.level[shape] as usize, self.low[shape]);
-        let (shifted, n) = ((low + (1 << BRICK >> 1)) >> BRICK, self.levels[level].bricks + 1);
+        let (shifted, n) = ((low + (1 << self.brick >> 1)) >> self.brick, self.levels[level].bricks + 1);
         let second = shifted.x + n.x * (shifted.y + n.y * shifted.z);
         [self.brick(self.index(level, low)), (level as u32) << 28 | second]
     }
@@ -197,9 +204,9 @@ impl BinGrid {
     #[inline]
     pub fn index(&self, level: usize, bin: UVec3) -> u32 {
         let Level { bricks: n, first, .. } = self.levels[level];
-        let (brick, inner) = (bin >> BRICK, bin & ((1 << BRICK) - 1));
+        let (brick, inner) = (bin >> self.brick, bin & ((1 << self.brick) - 1));
         let k = brick.x + n.x * (brick.y + n.y * brick.z);
-        first + ((k << (3 * BRICK)) | inner.x | inner.y << BRICK | inner.z << (2 * BRICK))
+        first + ((k << (3 * self.brick)) | inner.x | inner.y << self.brick | inner.z << (2 * self.brick))
     }
 
     /// The lowest and the highest bin of a level that a box overlaps; of a box with corners out of the range of numbers, some bin.
@@ -229,10 +236,10 @@ impl BinGrid {
 }
 
 /// The stage. Surfaces are not binned; `pair_write` tests every shape against them.
-pub fn run(model: &Model, state: &State, bins: &mut Bins) {
+pub fn run(model: &Model, state: &State, plan: &StepPlan, bins: &mut Bins) {
     let aabb = state.fat_aabb.as_deref().expect("boxes from `bounds`");
     let Bins { grid, bin, shape, .. } = bins;
-    grid.choose(model, state, aabb);
+    grid.choose(model, state, plan, aabb);
     let (grid, n) = (&*grid, model.n_shapes());
     let mut start = vec![0; n + 1];
     fill_rows(&mut start[..n], |s| {

@@ -20,7 +20,7 @@
 //! Source: paper §3, stages 7–9, on the pairs of `pair_write`.
 //!
 //! The contact point is the middle between the two surfaces, the same for both bodies, so that impulses keep the angular
-//! momentum of the pair to round-off. Contacts are counted tile by tile, the counts scanned, and the rows written.
+//! momentum of the pair to round-off. Contacts are counted part by part of the tiles, the counts scanned, and the rows written.
 
 use super::collide::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
 use super::collide::{Triangle, collide, collide_triangle, surface_of};
@@ -31,7 +31,7 @@ use super::{bounds, sphere_pairs};
 use crate::aabb::Aabb;
 use crate::contacts::{Arms, Contacts, OTHER, Tiles};
 use crate::lanes::widest;
-use crate::manifolds::{Manifolds, TileManifolds};
+use crate::manifolds::{Manifolds, PartManifolds};
 use crate::model::Model;
 use crate::plan::{Narrow, StepPlan};
 use crate::rows::{CHUNK, cut, fill_rows};
@@ -39,6 +39,7 @@ use crate::shape::ShapeKind;
 use crate::sphere::Sphere;
 use crate::state::State;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// The input of the stage.
 pub struct Input<'a> {
@@ -61,14 +62,14 @@ pub struct Input<'a> {
 /// The pairs that touch: the stage's own columns, which keep their memory from step to step.
 #[derive(Default)]
 pub struct Touching {
-    /// Ascending indices of the sphere pairs that touch, within their tile, at the start of a range of the length of all the tile's pairs
+    /// Ascending indices of the sphere pairs that touch, within their part, at the start of a range of the length of all the part's pairs
     /// (n_sphere_pairs). Their contact points are cheaper to compute again than to store.
     place: Vec<u32>,
-    /// Number of sphere pairs that touch in each tile.
+    /// Number of sphere pairs that touch in each part.
     n: Vec<usize>,
     /// Balls about the shapes with their margins, where the plan has any shapes (n_shapes).
     balls: Vec<Ball>,
-    /// Other pairs that touch, by tile.
+    /// Other pairs that touch, by parts.
     others: Vec<Others>,
     /// The manifolds that are kept for the next step.
     pub manifolds: Manifolds,
@@ -100,10 +101,51 @@ impl Ball {
     }
 }
 
-/// The other pairs of a tile that touch.
+/// Candidate pairs of a tile that one task collides.
+struct Part {
+    tile: usize,
+    /// Whether they are among the tile's pairs of spheres; the others come after these.
+    is_of_spheres: bool,
+    /// Their range among these pairs of the tile.
+    range: Range<usize>,
+}
+
+impl Part {
+    /// The least number of pairs of a part, unless its tile has fewer, of other pairs and of pairs of spheres; and of parts, unless they would have
+    /// fewer pairs.
+    const LEAST: [usize; 2] = [512, 4096];
+    const MANY: usize = 32;
+
+    /// The parts of all tiles, in order.
+    fn all(pairs: &Pairs) -> Vec<Part> {
+        let of_all = [pairs.others.len(), pairs.spheres.len()];
+        let length = [0, 1].map(|k| Part::LEAST[k].max(of_all[k].div_ceil(Part::MANY)));
+        let mut parts = vec![];
+        for tile in 0..pairs.n_tiles() {
+            for (is_of_spheres, n) in [(true, pairs.spheres_of(tile).len()), (false, pairs.others_of(tile).len())] {
+                let length = length[is_of_spheres as usize];
+                let part = |first: usize| Part { tile, is_of_spheres, range: first..(first + length).min(n) };
+                parts.extend((0..n).step_by(length).map(part));
+            }
+        }
+        parts
+    }
+
+    /// Its pairs of spheres.
+    fn spheres<'a>(&self, pairs: &'a Pairs) -> &'a [[u32; 2]] {
+        if self.is_of_spheres { &pairs.spheres_of(self.tile)[self.range.clone()] } else { &[] }
+    }
+
+    /// Its other pairs.
+    fn others<'a>(&self, pairs: &'a Pairs) -> &'a [[u32; 3]] {
+        if self.is_of_spheres { &[] } else { &pairs.others_of(self.tile)[self.range.clone()] }
+    }
+}
+
+/// The other pairs of a part that touch.
 #[derive(Default)]
 struct Others {
-    /// Index of each pair within the tile, and the end of its points in `point`.
+    /// Index of each pair within the part, and the end of its points in `point`.
     touching: Vec<[u32; 2]>,
     point: Vec<Point>,
 }
@@ -168,30 +210,34 @@ fn find_and_write<A: Copy + Default + Send>(
         impl Fn([u32; 2], &Point, [f64; 2]) -> A + Sync,
     ),
 ) {
-    let n_tiles = pairs.n_tiles();
-    let is_serial = pairs.spheres.len() + pairs.others.len() < 4 * CHUNK;
-    let min_len = if is_serial { n_tiles.max(1) } else { 1 };
-    let Touching { place, n, balls, others, manifolds } = touching;
-    manifolds.tiles.resize_with(n_tiles, TileManifolds::default);
-    others.resize_with(n_tiles, Others::default);
-    n.resize(n_tiles, 0);
+    let parts = &Part::all(pairs);
+    let Touching { place, n, others, balls, manifolds } = touching;
+    manifolds.parts.resize_with(parts.len(), PartManifolds::default);
+    others.resize_with(parts.len(), Others::default);
+    n.resize(parts.len(), 0);
     place.resize(pairs.spheres.len(), 0);
-    let slots = cut(place, (0..n_tiles).map(|tile| pairs.spheres_of(tile).len()));
-    let each = (slots, n, others, &mut manifolds.tiles)
-        .into_par_iter()
-        .with_min_len(min_len)
-        .with_max_len(min_len)
-        .enumerate();
-    each.for_each(|(tile, (slots, n, others, kept))| {
-        *n = find(pairs.spheres_of(tile), slots);
-        others.find(at, (placed, balls), tile, pairs.others_of(tile), kept);
+    let mut slots = cut(place, parts.iter().map(|part| part.spheres(pairs).len()));
+    let each =
+        (parts, &mut slots, &mut *n, &mut *others, &mut manifolds.parts).into_par_iter().with_max_len(1).enumerate();
+    each.for_each(|(k, (part, slots, n, others, kept))| {
+        *n = find(part.spheres(pairs), slots);
+        others.find(at, (placed, balls), k, part.others(pairs), kept);
     });
 
     let Contacts { bodies, key, pair, normal, gap, law, tiles, .. } = contacts;
-    *tiles = Tiles { start: touching.scan(), n_first: pairs.n_first };
-    let start = &tiles.start;
+    let counts = n.iter().zip(&*others).map(|(n, others)| (*n + others.point.len()) as u32);
+    let start = &mut counts.chain([0]).collect::<Vec<u32>>();
+    gpu::scan::exclusive_cpu(start);
+    let start = &*start;
+    let first_part = |tile: usize| parts.partition_point(|part| part.tile < tile);
+    *tiles = Tiles {
+        start: (0..=pairs.n_tiles()).map(|tile| start[first_part(tile)]).collect(),
+        n_first: pairs.n_first,
+        place: pairs.place.clone(),
+        n_places: pairs.n_places,
+    };
     let columns = (
-        (&touching.n, &touching.others).into_par_iter(),
+        (parts, slots, n, others).into_par_iter(),
         split(bodies, start),
         split(key, start),
         split(pair, start),
@@ -201,16 +247,16 @@ fn find_and_write<A: Copy + Default + Send>(
         split(arms, start),
     );
     let n_materials = at.model.material_names.len() as u32;
-    columns.into_par_iter().with_min_len(min_len).with_max_len(min_len).enumerate().for_each(
-        |(tile, ((n, others), bodies, key, pair, normal, gap, law, arms))| {
-            let first = pairs.sphere_start[tile] as usize;
-            let places = &touching.place[first..first + n];
-            pair[..*n].copy_from_slice(places);
+    columns.into_par_iter().with_max_len(1).for_each(
+        |((part, places, n, others), bodies, key, pair, normal, gap, law, arms)| {
+            let first = part.range.start as u32;
+            let places = &places[..*n];
             let mut rows = Rows { bodies, key, normal, gap, law, arms, n_materials };
-            write(pairs.spheres_of(tile), places, &mut rows);
+            pair.iter_mut().zip(places).for_each(|(pair, place)| *pair = first + place);
+            write(part.spheres(pairs), places, &mut rows);
             let mut i = *n;
-            others.each(at.model, pairs.others_of(tile), |k, shapes, key, point| {
-                pair[i] = OTHER | k;
+            others.each(at.model, part.others(pairs), |k, shapes, key, point| {
+                pair[i] = OTHER | (first + k);
                 rows.put(i, shapes, key, point, &arms_of);
                 i += 1;
             });
@@ -228,25 +274,15 @@ fn find_spheres(pairs: &[[u32; 2]], sphere: impl Fn(u32) -> Sphere, place: &mut 
     n
 }
 
-impl Touching {
-    /// First contact of each tile and of the contacts in no tile, and the end.
-    fn scan(&self) -> Vec<u32> {
-        let counts = self.n.iter().zip(&self.others).map(|(n, others)| (n + others.point.len()) as u32);
-        let mut start: Vec<u32> = counts.chain([0]).collect();
-        gpu::scan::exclusive_cpu(&mut start);
-        start
-    }
-}
-
 impl Others {
     /// Find which of the other pairs touch, and their points.
     fn find(
         &mut self,
         at: &Input,
         (placed, balls): (&[Placed], &[Ball]),
-        tile: usize,
+        part: usize,
         pairs: &[[u32; 3]],
-        kept: &mut TileManifolds,
+        kept: &mut PartManifolds,
     ) {
         self.touching.clear();
         self.point.clear();
@@ -274,7 +310,7 @@ impl Others {
                         [&own[0], &own[1]]
                     }
                 };
-                let n = points(at, (tile, k), [s, t, triangle], both, (kept, &mut found), &mut out);
+                let n = points(at, (part, k), [s, t, triangle], both, (kept, &mut found), &mut out);
                 if n > 0 {
                     self.point.extend_from_slice(&out[..n]);
                     self.touching.push([k as u32, self.point.len() as u32]);
@@ -302,13 +338,13 @@ impl Others {
     }
 }
 
-/// The contact points of a pair of a tile, its manifold kept where it is one of convex shapes. Returns their count.
+/// The contact points of a pair of a part, its manifold kept where it is one of convex shapes. Returns their count.
 fn points(
     at: &Input,
-    (tile, pair): (usize, usize),
+    (part, pair): (usize, usize),
     [s, t, triangle]: [u32; 3],
     [a, b]: [&Placed; 2],
-    (kept, found): (&mut TileManifolds, &mut usize),
+    (kept, found): (&mut PartManifolds, &mut usize),
     out: &mut Points,
 ) -> usize {
     let (model, shapes, s, t) = (at.model, [s, t], s as usize, t as usize);
@@ -319,7 +355,7 @@ fn points(
         let n = collide_triangle(b, &Triangle::of(surface, triangle, a), reach, out);
         swap_shapes(out, n)
     } else if keeps(a.kind) && keeps(b.kind) {
-        let last = at.last.find(tile, pair as u32, shapes, found);
+        let last = at.last.find(part, pair as u32, shapes, found);
         collide_or_recycle(
             [a, b],
             (pair as u32, shapes),

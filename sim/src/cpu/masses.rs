@@ -5,6 +5,7 @@ use crate::geometry::principal;
 use crate::inertia::{is_isotropic, world_inv_inertia};
 use crate::joint::Row;
 use crate::model::Model;
+use crate::rows::fill_rows;
 use crate::state::State;
 use crate::twist::Twist;
 use glam::{DMat3, DQuat, DVec3};
@@ -27,12 +28,18 @@ enum InertiaTensors {
     /// No bodies with anisotropic inertia.
     #[default]
     None,
-    /// Slots of the bodies ([`ISOTROPIC`] for isotropic inertia; n_bodies), and R J̄⁻¹ Rᵀ and its inverse by slot (n_tensors).
-    Some { slot: Vec<u32>, tensor: Vec<[DMat3; 2]> },
+    /// Slots of the bodies ([`ISOTROPIC`] for isotropic inertia; n_bodies), and the body, R J̄⁻¹ Rᵀ and its inverse by slot (n_tensors).
+    Some { slot: Vec<u32>, body: Vec<u32>, tensor: Vec<[DMat3; 2]> },
 }
 
 /// The slot of a body with isotropic inertia.
 const ISOTROPIC: u32 = u32::MAX;
+
+/// The inverse inertia tensor of a body, 1/(kg m²), and the inertia tensor, kg m², in its orientation.
+fn rotated(model: &Model, state: &State, body: usize) -> [DMat3; 2] {
+    let of = |inv_inertia: DVec3| world_inv_inertia(state.orientation[body], inv_inertia);
+    [of(model.inv_inertia[body]), of(model.inv_inertia[body].recip())]
+}
 
 impl Masses {
     /// Take the masses and principal moments of the bodies that move.
@@ -45,29 +52,36 @@ impl Masses {
         self.inv_moment.clear();
         self.inv_moment
             .extend((0..n).map(|b| if state.moves(b) && isotropic(b) { model.inv_inertia[b].x } else { 0.0 }));
-        let mut n_tensors = 0;
-        let slot: Vec<u32> =
-            (0..n).map(|b| if isotropic(b) { ISOTROPIC } else { (n_tensors, n_tensors += 1).0 }).collect();
-        self.tensors = match n_tensors {
+        let body: Vec<u32> = (0..n as u32).filter(|b| !isotropic(*b as usize)).collect();
+        let mut slot = vec![ISOTROPIC; n];
+        body.iter().zip(0..).for_each(|(b, k)| slot[*b as usize] = k);
+        self.tensors = match body.len() {
             0 => InertiaTensors::None,
-            n => InertiaTensors::Some { slot, tensor: vec![[DMat3::ZERO; 2]; n as usize] },
+            n => InertiaTensors::Some { slot, body, tensor: vec![[DMat3::ZERO; 2]; n] },
         };
     }
 
     /// Rotate the inertia tensors to the bodies' orientations.
     pub fn rotate(&mut self, model: &Model, state: &State) {
-        self.rotate_bodies(model, state, 0..model.n_bodies());
+        self.unstiffen();
+        if let InertiaTensors::Some { body, tensor, .. } = &mut self.tensors {
+            fill_rows(tensor, |k| rotated(model, state, body[k] as usize));
+        }
     }
 
     /// [`Masses::rotate`] of some bodies: all that are asked for in the step.
     pub fn rotate_bodies(&mut self, model: &Model, state: &State, bodies: impl Iterator<Item = usize>) {
+        self.unstiffen();
+        let InertiaTensors::Some { slot, tensor, .. } = &mut self.tensors else { return };
+        for b in bodies.filter(|b| slot[*b] != ISOTROPIC) {
+            tensor[slot[b] as usize] = rotated(model, state, b);
+        }
+    }
+
+    /// Undo what the last step added to isotropic inertia.
+    fn unstiffen(&mut self) {
         for (b, inv_moment) in self.stiffened.drain(..).rev() {
             self.inv_moment[b] = inv_moment;
-        }
-        let InertiaTensors::Some { slot, tensor } = &mut self.tensors else { return };
-        for b in bodies.filter(|b| slot[*b] != ISOTROPIC) {
-            let of = |inv_inertia: DVec3| world_inv_inertia(state.orientation[b], inv_inertia);
-            tensor[slot[b] as usize] = [of(model.inv_inertia[b]), of(model.inv_inertia[b].recip())];
         }
     }
 
@@ -85,7 +99,7 @@ impl Masses {
     /// Add to the inertia of a body for this step, kg m²; isotropic inertia stays isotropic.
     pub fn stiffen(&mut self, body: usize, added: DMat3) {
         match &mut self.tensors {
-            InertiaTensors::Some { slot, tensor } if slot[body] != ISOTROPIC => {
+            InertiaTensors::Some { slot, tensor, .. } if slot[body] != ISOTROPIC => {
                 let [inverse, inertia] = &mut tensor[slot[body] as usize];
                 *inertia += added;
                 *inverse = inertia.inverse();
@@ -112,7 +126,7 @@ impl Masses {
         match &self.tensors {
             InertiaTensors::None => None,
             InertiaTensors::Some { slot, .. } if slot[body] == ISOTROPIC => None,
-            InertiaTensors::Some { slot, tensor } => Some(&tensor[slot[body] as usize]),
+            InertiaTensors::Some { slot, tensor, .. } => Some(&tensor[slot[body] as usize]),
         }
     }
 

@@ -65,6 +65,10 @@ pub struct Pairs {
     pub other_start: Vec<u32>,
     /// Other pairs, the lower id first, and the triangle where one is a mesh or a height field (n_other_pairs).
     pub others: Vec<[u32; 3]>,
+    /// Where each body lies in columns in which those of a tile are neighbours, in cache lines of their own (n_bodies).
+    pub place: Vec<u32>,
+    /// Length of these columns.
+    pub n_places: usize,
 }
 
 impl Pairs {
@@ -83,11 +87,15 @@ impl Pairs {
         self.sphere_start.len() - 1
     }
 
-    /// Take the candidate pairs of all tiles: count, scan, write.
-    fn take(&mut self, found: Vec<Candidates>, n_first: usize) {
+    /// Take the candidate pairs of all tiles, which were found in parts, in order: count, scan, write. `first_part` is the first of each tile,
+    /// the first `n_first` of which are of the first round.
+    fn take(&mut self, found: Vec<Candidates>, first_part: &[usize], n_first: usize) {
         self.n_first = n_first;
         flatten(&found, |c| &c.spheres, &mut self.sphere_start, &mut self.spheres);
         flatten(&found, |c| &c.others, &mut self.other_start, &mut self.others);
+        for start in [&mut self.sphere_start, &mut self.other_start] {
+            *start = first_part.iter().chain([&found.len()]).map(|part| start[*part]).collect();
+        }
     }
 }
 
@@ -188,8 +196,18 @@ pub fn run(model: &Model, state: &State, bins: &Bins, pairs: &mut Pairs) {
         Found { model, tile: &tile, here: NOWHERE, own, crossing: vec![], side_by_side: Default::default() }
     };
 
+    /// Active bins of a brick that one task looks through.
+    const PART: usize = 64;
     let bricks = bricks_of(input);
-    let within = bricks.par_iter().with_max_len(1).map_init(found, |found, (brick, rows)| {
+    let (mut parts, mut first_part) = (vec![], vec![]);
+    for (brick, rows) in &bricks {
+        first_part.push(parts.len());
+        // A brick without active bins has pairs that other bricks' bins report, so that it has a part too.
+        let part = |first: usize| (*brick, first..(first + PART).min(rows.end));
+        parts.push(part(rows.start));
+        parts.extend(rows.clone().step_by(PART).skip(1).map(part));
+    }
+    let within = parts.par_iter().with_max_len(1).map_init(found, |found, (brick, rows)| {
         found.here = *brick;
         found.own.spheres.clear();
         found.own.others.clear();
@@ -212,18 +230,46 @@ pub fn run(model: &Model, state: &State, bins: &Bins, pairs: &mut Pairs) {
         crossing.par_extend(rows);
     }
 
-    assign(model, &tile, &bricks, &crossing.concat(), &mut found_in);
-    pairs.take(found_in, bricks.len());
+    assign(model, &tile, &bricks, &crossing.concat(), (&mut found_in, &mut first_part));
+    pairs.take(found_in, &first_part, bricks.len());
+    pairs.n_places = places_of(input, &tile, &mut pairs.place);
+}
+
+/// Places of the bodies in the order of their bins: those of a tile are neighbours, and share no cache line with those of another. Returns the
+/// length of columns by them.
+fn places_of(input: &Input, tile: &[[u32; 2]], place: &mut Vec<u32>) -> usize {
+    /// Rows that are no more than two cache lines together.
+    const ALIGN: usize = 4;
+    let Input { model, grid, .. } = input;
+    let mut bin = vec![u32::MAX; tile.len()];
+    for (s, body) in model.shape_body.iter().enumerate() {
+        if tile[*body as usize][0] != HELD {
+            bin[*body as usize] = grid.index(grid.level[s] as usize, grid.low[s]);
+        }
+    }
+    let mut order: Vec<u64> = bin.par_iter().enumerate().map(|(body, bin)| (*bin as u64) << 32 | body as u64).collect();
+    order.par_sort_unstable();
+    place.resize(tile.len(), 0);
+    let (mut n, mut here) = (0usize, NOWHERE);
+    for key in order {
+        let body = key as u32 as usize;
+        if tile[body][0] != here {
+            (n, here) = (n.next_multiple_of(ALIGN), tile[body][0]);
+        }
+        place[body] = n as u32;
+        n += 1;
+    }
+    n
 }
 
 /// Assign the pairs across tiles, and those found outside their tiles, to tiles: to those of the first round, which exist already, to
-/// those of the second, which are added, or to no tile, which comes last.
+/// those of the second, which are added, or to no tile, which comes last. `found` has them by parts, `first_part` the first of each tile.
 fn assign(
     model: &Model,
     tile: &[[u32; 2]],
     bricks: &[(u32, Range<usize>)],
     crossing: &[[u32; 3]],
-    found: &mut Vec<Candidates>,
+    (found, first_part): (&mut Vec<Candidates>, &mut Vec<usize>),
 ) {
     /// Bits of a pair's index in `crossing`.
     const PLACE: u32 = 30;
@@ -241,20 +287,25 @@ fn assign(
     };
     let mut order: Vec<u64> = crossing.par_iter().enumerate().map(key).collect();
     order.par_sort_unstable();
-    let mut neither = Candidates::default();
+    let (mut neither, n_within) = (Candidates::default(), found.len());
     for run in order.chunk_by(|a, b| a >> PLACE == b >> PLACE) {
         let (round, tile) = (run[0] >> (32 + PLACE), (run[0] >> PLACE) as u32);
         let mut own = Candidates::default();
         let home = match round {
-            0 => bricks.binary_search_by_key(&tile, |(brick, _)| *brick).map_or(&mut neither, |k| &mut found[k]),
+            0 => match bricks.binary_search_by_key(&tile, |(brick, _)| *brick) {
+                Ok(k) => &mut found[first_part.get(k + 1).copied().unwrap_or(n_within) - 1],
+                Err(_) => &mut neither,
+            },
             1 => &mut own,
             _ => &mut neither,
         };
         run.iter().for_each(|key| home.push(model, crossing[*key as usize & ((1 << PLACE) - 1)]));
         if round == 1 {
+            first_part.push(found.len());
             found.push(own);
         }
     }
+    first_part.push(found.len());
     found.push(neither);
 }
 

@@ -13,7 +13,7 @@ use super::collide::convex::{Axis, separation};
 use super::collide::manifold::{OF_SECOND, is_nearest};
 use super::collide::point::{Placed, Point, Points};
 use super::collide::rolling::{has_face, held, is_curved, rolled};
-use crate::manifolds::{Kept, KeptPoint, Manifolds, TileManifolds};
+use crate::manifolds::{Kept, KeptPoint, Manifolds, PartManifolds};
 use crate::shape::ShapeKind;
 use glam::DVec3;
 
@@ -37,7 +37,7 @@ pub struct Last<'a> {
     manifolds: &'a Manifolds,
     /// Whether the candidate pairs are those of the last step.
     pairs_hold: bool,
-    /// Tile and index of each manifold, where the pairs do not hold.
+    /// Part and index of each manifold, where the pairs do not hold.
     known: ByShape<[u32; 2]>,
 }
 
@@ -48,27 +48,27 @@ impl<'a> Last<'a> {
             return Last { manifolds, pairs_hold, known: ByShape::default() };
         }
         let mut all = vec![];
-        for (of_tile, tile) in manifolds.tiles.iter().zip(0..) {
-            all.extend(of_tile.kept.iter().zip(0..).map(|(kept, k)| (kept.shapes, [tile, k])));
+        for (of_part, part) in manifolds.parts.iter().zip(0..) {
+            all.extend(of_part.kept.iter().zip(0..).map(|(kept, k)| (kept.shapes, [part, k])));
         }
         let known = ByShape::of(n_shapes, all.len(), |i| all[i]);
         Last { manifolds, pairs_hold, known }
     }
 
-    /// The manifold of the pair `pair` of a tile, of two shapes; `at` is where the tile's last manifold was found, for pairs that ascend.
-    pub fn find(&self, tile: usize, pair: u32, shapes: [u32; 2], at: &mut usize) -> Option<(&Kept, &[KeptPoint])> {
-        let (tile, k) = if self.pairs_hold {
-            let kept = &self.manifolds.tiles.get(tile)?.kept;
+    /// The manifold of the pair `pair` of a part, of two shapes; `at` is where the part's last manifold was found, for pairs that ascend.
+    pub fn find(&self, part: usize, pair: u32, shapes: [u32; 2], at: &mut usize) -> Option<(&Kept, &[KeptPoint])> {
+        let (part, k) = if self.pairs_hold {
+            let kept = &self.manifolds.parts.get(part)?.kept;
             while kept.get(*at).is_some_and(|kept| kept.pair < pair) {
                 *at += 1;
             }
-            (kept.get(*at)?.pair == pair).then_some((tile, *at))?
+            (kept.get(*at)?.pair == pair).then_some((part, *at))?
         } else {
-            let [tile, k] = *self.known.find(shapes).next()?;
-            (tile as usize, k as usize)
+            let [part, k] = *self.known.find(shapes).next()?;
+            (part as usize, k as usize)
         };
-        let of_tile = &self.manifolds.tiles[tile];
-        Some((&of_tile.kept[k], of_tile.points_of(k)))
+        let of_part = &self.manifolds.parts[part];
+        Some((&of_part.kept[k], of_part.points_of(k)))
     }
 }
 
@@ -79,7 +79,7 @@ pub fn collide_or_recycle(
     (pair, shapes): (u32, [u32; 2]),
     (reach, slack, rest_gap): (f64, f64, f64),
     last: Option<(&Kept, &[KeptPoint])>,
-    (kept, out): (&mut TileManifolds, &mut Points),
+    (kept, out): (&mut PartManifolds, &mut Points),
 ) -> usize {
     if a.position.distance(b.position) > a.extent + b.extent + reach {
         return 0;
@@ -100,7 +100,7 @@ pub fn collide_or_recycle(
         kept.kept.push(Kept { pair, end: kept.points.len() as u32, ..*known });
         return carry([a, b], points, reach, out);
     }
-    let keep = |n: usize, kept: &mut TileManifolds, (axis, reach, slack): (Axis, f64, f64)| {
+    let keep = |n: usize, kept: &mut PartManifolds, (axis, reach, slack): (Axis, f64, f64)| {
         let (end, orientation) = (kept.points.len() as u32, (a.orientation.inverse() * b.orientation).normalize());
         let (corners, axis) = (axis.corners, a.local(axis.direction).normalize_or_zero());
         kept.kept.push(Kept { pair, end, shapes, position, orientation, axis, corners, reach, slack });
@@ -221,20 +221,20 @@ mod tests {
             let a = placed(kinds[i % 3], DVec3::ZERO);
             let b = placed(kinds[i / 3 % 3], DVec3::new(0.0, 0.0, 1.9));
             let slack = 1e-3;
-            let find = |b: &Placed, last: Option<(&Kept, &[KeptPoint])>, kept: &mut TileManifolds| {
+            let find = |b: &Placed, last: Option<(&Kept, &[KeptPoint])>, kept: &mut PartManifolds| {
                 let mut out = Points::default();
                 let n = collide_or_recycle([&a, b], (0, [0, 1]), (0.2, slack, 0.0), last, (kept, &mut out));
                 out[..n].to_vec()
             };
-            let mut first = TileManifolds::default();
+            let mut first = PartManifolds::default();
             find(&b, None, &mut first);
             let mut little = || DVec3::from([0; 3].map(|_| random.between(-1.0, 1.0))) * 1.5e-4;
             let (shift, turn) = (little(), little());
             let orientation = DQuat::from_scaled_axis(turn) * b.orientation;
             let moved = Placed::new(b.kind, b.size, Pose { position: b.position + shift, orientation }, b.hull);
-            let mut second = TileManifolds::default();
+            let mut second = PartManifolds::default();
             let last = first.kept.first().map(|kept| (kept, &first.points[..]));
-            let (old, new) = (find(&moved, last, &mut second), find(&moved, None, &mut TileManifolds::default()));
+            let (old, new) = (find(&moved, last, &mut second), find(&moved, None, &mut PartManifolds::default()));
             let Some(kept) = second.kept.first() else { continue };
             carried += (kept.position == first.kept[0].position) as usize;
             if old.is_empty() || new.is_empty() {
@@ -283,17 +283,17 @@ mod tests {
                 Placed::new(kind, size, Pose { position: frame.orientation * place, orientation }, None)
             };
             for (is_second, step) in [(true, 5e-4), (false, -5e-4)] {
-                let find = |b: &Placed, last: Option<(&Kept, &[KeptPoint])>, kept: &mut TileManifolds| {
+                let find = |b: &Placed, last: Option<(&Kept, &[KeptPoint])>, kept: &mut PartManifolds| {
                     let mut out = Points::default();
                     let both = if is_second { [&floor, b] } else { [b, &floor] };
                     let n = collide_or_recycle(both, (0, [0, 1]), (0.01, 2e-3, 0.0), last, (kept, &mut out));
                     out[..n].to_vec()
                 };
-                let [mut first, mut second] = [TileManifolds::default(), TileManifolds::default()];
+                let [mut first, mut second] = [PartManifolds::default(), PartManifolds::default()];
                 find(&at(0.0), None, &mut first);
                 let last = first.kept.first().map(|kept| (kept, &first.points[..]));
                 let moved = at(step);
-                let (old, new) = (find(&moved, last, &mut second), find(&moved, None, &mut TileManifolds::default()));
+                let (old, new) = (find(&moved, last, &mut second), find(&moved, None, &mut PartManifolds::default()));
                 assert!(second.kept[0].position == first.kept[0].position, "{kind:?} on {below:?}: not carried");
                 assert!(!new.is_empty() && old.len() == new.len(), "{kind:?} on {below:?}: {old:?} {new:?}");
                 for p in &old {
@@ -316,9 +316,9 @@ mod tests {
         let across = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
         for (gap, shift, is_carried) in [(0.0, 1e-7, true), (0.0, 1e-4, false), (5e-3, 1e-4, true)] {
             let mut out = Points::default();
-            let [mut first, mut second] = [TileManifolds::default(), TileManifolds::default()];
+            let [mut first, mut second] = [PartManifolds::default(), PartManifolds::default()];
             let at = DVec3::new(0.4 + gap, 0.0, 0.0);
-            let mut find = |b: &Placed, last: Option<(&Kept, &[KeptPoint])>, kept: &mut TileManifolds| {
+            let mut find = |b: &Placed, last: Option<(&Kept, &[KeptPoint])>, kept: &mut PartManifolds| {
                 collide_or_recycle([&a, b], (0, [0, 1]), (0.01, 1e-3, 1e-3), last, (kept, &mut out))
             };
             assert_eq!(find(&place(at, across), None, &mut first), 1);

@@ -25,6 +25,7 @@ mod manifold_group;
 mod method;
 pub mod operator;
 pub mod overlaps;
+mod packed;
 pub mod residual;
 mod resistance;
 pub mod response;

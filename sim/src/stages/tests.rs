@@ -63,7 +63,7 @@ fn tiles_that_share_a_body_are_found() {
     let (_, _, mut state, _) = stepped(Stage::ContactWrite);
     check_tiles(&state).unwrap();
     // The corners of the box, in two tiles of one round.
-    state.contacts.tiles = crate::contacts::Tiles { start: vec![0, 2, 5, 5], n_first: 2 };
+    state.contacts.tiles = crate::contacts::Tiles { start: vec![0, 2, 5, 5], n_first: 2, ..Default::default() };
     state.contacts.bodies = vec![[0, 1], [0, 2], [0, 2], [0, 2], [0, 2]];
     assert!(check_tiles(&state).unwrap_err().contains("body 2 has contacts in two tiles"));
 }

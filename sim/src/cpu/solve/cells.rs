@@ -1,6 +1,7 @@
 //! Columns that several threads change concurrently.
 
 use std::cell::UnsafeCell;
+use std::ops::Range;
 
 /// A column that several threads change concurrently, no two of them the same entry.
 pub struct Cells<'a, T> {
@@ -36,5 +37,16 @@ impl<'a, T: Copy> Cells<'a, T> {
     pub unsafe fn set(&self, i: usize, value: T) {
         // SAFETY: the caller's promise.
         unsafe { *self.entry[i].get() = value }
+    }
+
+    /// Entries to change.
+    ///
+    /// # Safety
+    /// No other reference to these entries is used meanwhile, by this thread or another.
+    #[expect(clippy::mut_from_ref, reason = "the caller's promise")]
+    pub unsafe fn range(&self, range: Range<usize>) -> &mut [T] {
+        let entry = &self.entry[range];
+        // SAFETY: UnsafeCell<T> has the layout of T; the caller's promise.
+        unsafe { std::slice::from_raw_parts_mut(entry.as_ptr() as *mut T, entry.len()) }
     }
 }

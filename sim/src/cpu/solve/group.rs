@@ -11,6 +11,9 @@ use std::ops::Range;
 
 /// Blocks of one colour side by side in lanes.
 pub trait Group<T: Grouped<L>, const L: usize>: Copy + Send + Sync {
+    /// Groups that are worth a task of a thread, some microseconds.
+    const CHUNK: usize;
+
     /// A group without blocks: its lanes refer to the motion after the last body's, which belongs to no body.
     fn empty(n_bodies: usize) -> Self;
 
@@ -23,8 +26,11 @@ pub trait Group<T: Grouped<L>, const L: usize>: Copy + Send + Sync {
         is_exact: bool,
     );
 
-    /// Bodies A and B of the block in each lane.
+    /// The motions of bodies A and B of the block in each lane; as [`Group::fill`] leaves them, the bodies.
     fn bodies(&self) -> &[[u32; 2]; L];
+
+    /// As [`Group::bodies`], to change.
+    fn bodies_mut(&mut self) -> &mut [[u32; 2]; L];
 
     /// Impulse of contact `k` of the block in a lane.
     fn gamma(&self, l: usize, k: usize) -> DVec3;

@@ -165,6 +165,8 @@ impl<T: Real, const L: usize, const R: usize> Contact<T, L, R> {
 }
 
 impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for ManifoldGroup<T, L, R> {
+    const CHUNK: usize = 64 / L;
+
     fn empty(n_bodies: usize) -> Self {
         ManifoldGroup {
             bodies: [[n_bodies as u32; 2]; L],
@@ -208,6 +210,10 @@ impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for ManifoldGrou
 
     fn bodies(&self) -> &[[u32; 2]; L] {
         &self.bodies
+    }
+
+    fn bodies_mut(&mut self) -> &mut [[u32; 2]; L] {
+        &mut self.bodies
     }
 
     fn gamma(&self, l: usize, k: usize) -> DVec3 {

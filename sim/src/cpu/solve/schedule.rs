@@ -64,9 +64,19 @@ impl Colored {
         (self.order, self.start) = ((0..n).collect(), (0..=n).collect());
     }
 
-    /// The blocks of each colour.
+    /// The blocks, colour by colour.
+    pub fn blocks(&self) -> &[u32] {
+        &self.order
+    }
+
+    /// The range in `blocks` of each colour that has any.
+    pub fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
+        self.start.windows(2).map(|ends| ends[0] as usize..ends[1] as usize).filter(|color| !color.is_empty())
+    }
+
+    /// The blocks of each colour that has any.
     pub fn colors(&self) -> impl Iterator<Item = &[u32]> {
-        self.start.windows(2).map(|ends| &self.order[ends[0] as usize..ends[1] as usize])
+        self.ranges().map(|color| &self.order[color])
     }
 }
 
@@ -150,11 +160,23 @@ pub struct Tiled {
     pub rounds: [Vec<Colored>; 2],
     /// The blocks in no tile.
     pub shared: Colored,
+    /// Where each body lies in columns in which those of a tile are neighbours, and where what belongs to no body (n_bodies + 1).
+    pub place: Vec<u32>,
+    /// Length of these columns.
+    pub n_places: usize,
 }
 
 impl Tiled {
+    /// The tiles of all rounds; those of the last, the blocks in no tile, are one.
+    pub fn all_rounds(&self) -> [&[Colored]; 3] {
+        let [first, second] = &self.rounds;
+        [first, second, std::slice::from_ref(&self.shared)]
+    }
+
     /// Colour the blocks tile by tile.
     pub fn fill(&mut self, contacts: &Contacts, blocks: &Blocks, inv_mass: &[f64]) {
+        self.n_places = contacts.tiles.places(inv_mass.len(), &mut self.place) + 1;
+        self.place.push(self.n_places as u32 - 1);
         let moving = |body: u32| (inv_mass[body as usize] > 0.0).then_some(body);
         let bodies = |block: u32| contacts.bodies[blocks.contacts(block).start].map(moving);
         let length = |block: u32| blocks.contacts(block).len();

@@ -31,6 +31,8 @@ pub struct SphereGroup<T, const L: usize, const R: usize> {
 }
 
 impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for SphereGroup<T, L, R> {
+    const CHUNK: usize = 256 / L;
+
     fn empty(n_bodies: usize) -> Self {
         SphereGroup {
             bodies: [[n_bodies as u32; 2]; L],
@@ -74,6 +76,10 @@ impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for SphereGroup<
 
     fn bodies(&self) -> &[[u32; 2]; L] {
         &self.bodies
+    }
+
+    fn bodies_mut(&mut self) -> &mut [[u32; 2]; L] {
+        &mut self.bodies
     }
 
     fn gamma(&self, l: usize, _: usize) -> DVec3 {

@@ -1,0 +1,326 @@
+//! Blocks packed in groups, chunk by chunk: the columns that a sweep streams through, and the order in which threads visit them.
+//!
+//! A chunk is what one thread visits without a stop: groups of one colour of a tile, or all colours of a small tile. Where a round has
+//! many tiles, each thread takes whole tiles, whose bodies stay in its cache; where it has few, they go through the colours of all tiles
+//! together, chunk by chunk. Sums are those of the chunks in their order, whichever way it was.
+
+use super::bodies::BodyOperator;
+use super::cells::Cells;
+use super::group::{self, Group, Grouped, Motion, act};
+use super::response::Response;
+use super::schedule::{Blocks, Colored, Tiled};
+use crate::rows::{CHUNK, cut, fill_rows};
+use crate::settings::FrictionLaw;
+use crate::team::Team;
+use crate::twist::Twist;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// All blocks in groups, and the motions of the bodies.
+pub struct Packed<T, const L: usize, G> {
+    groups: Vec<G>,
+    motion: Vec<Motion<T>>,
+    chunks: Vec<Chunk>,
+    /// What [`Group::visit`] returned of each chunk (n_chunks).
+    visited: Vec<[f64; 2]>,
+    /// The rounds of tiles; the blocks in no tile are one tile, the last round.
+    rounds: [Round; 3],
+}
+
+/// Groups that one thread visits without a stop.
+struct Chunk {
+    round: usize,
+    tile: usize,
+    groups: Range<usize>,
+    /// Their blocks in [`Colored::blocks`], or all of these, where the chunk is all of its tile.
+    blocks: Option<Range<usize>>,
+}
+
+/// The tiles of a round.
+#[derive(Default)]
+struct Round {
+    tiles: Vec<Tile>,
+    /// The chunks of the first colour of each tile, of the second, and so on; chunks that are a whole tile are with the first.
+    phases: Vec<Vec<usize>>,
+}
+
+/// What is known of a tile.
+#[derive(Clone, Default)]
+struct Tile {
+    chunks: Range<usize>,
+    n_contacts: f64,
+    /// What [`Group::visit`] returned when it was visited last.
+    visited: [f64; 2],
+    /// Whether its bodies are slow.
+    is_slow: bool,
+}
+
+/// Which tiles a sweep visits; the blocks in no tile it does in any case.
+#[derive(Clone, Copy)]
+pub enum Which {
+    /// All.
+    All,
+    /// Those in which a gap closed at this speed, m/s, or faster.
+    Closing(f64),
+    /// Those of slow bodies whose contacts had a greater residual than this in the root mean square, m/s.
+    Unsettled(f64),
+}
+
+impl Which {
+    fn has(self, tile: &Tile) -> bool {
+        let [residual2, closing] = tile.visited;
+        match self {
+            Which::All => true,
+            Which::Closing(least) => closing >= least,
+            Which::Unsettled(residual) => tile.is_slow && residual2 > residual * residual * tile.n_contacts,
+        }
+    }
+}
+
+impl<T, const L: usize, G> Default for Packed<T, L, G> {
+    fn default() -> Self {
+        Packed { groups: vec![], motion: vec![], chunks: vec![], visited: vec![], rounds: Default::default() }
+    }
+}
+
+impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
+    /// Chunks up to which a tile is one chunk.
+    const SMALL: usize = 2;
+    /// Tiles for each thread from which on a thread takes whole ones.
+    const MANY: usize = 4;
+
+    /// Groups of each chunk of a colour with `n` of them: chunks are even in number, for two threads.
+    fn chunk(n: usize) -> usize {
+        if n <= G::CHUNK { n } else { n.div_ceil(2 * n.div_ceil(2 * G::CHUNK)) }
+    }
+
+    /// Bytes of the groups.
+    pub fn size(&self) -> usize {
+        size_of_val(&self.groups[..])
+    }
+
+    /// Pack the blocks with the impulses γ, project these onto their cones, and compute the motions of the bodies with them.
+    pub fn fill(
+        &mut self,
+        team: &Team,
+        op: &BodyOperator,
+        (blocks, tiled): (&Blocks, &Tiled),
+        gamma: &[DVec3],
+        is_exact: bool,
+    ) {
+        let n_groups = self.lay_out(blocks, tiled);
+        let n_bodies = op.masses.inv_mass.len();
+        if self.groups.len() < n_groups {
+            self.groups.resize(n_groups, G::empty(n_bodies));
+        }
+        let pack = |(chunk, groups): (&Chunk, &mut [G])| {
+            for (group, own) in groups.iter_mut().zip(chunk.blocks_by_groups::<L>(tiled)) {
+                group.fill(op, own.iter().map(|block| blocks.contacts(*block)), gamma, is_exact);
+                group.bodies_mut().as_flattened_mut().iter_mut().for_each(|b| *b = tiled.place[*b as usize]);
+            }
+        };
+        let groups = cut(&mut self.groups, self.chunks.iter().map(|chunk| chunk.groups.len()));
+        self.chunks.par_iter().zip(groups).for_each(pack);
+        // Places without a body are at rest.
+        self.motion.clear();
+        self.motion.resize(tiled.n_places, Motion::default());
+        let (motion, masses) = (Cells::new(&mut self.motion), op.masses);
+        (0..n_bodies).into_par_iter().with_min_len(CHUNK).for_each(|b| {
+            let own = Motion::of(&op.free(b), masses.inv_mass[b], masses.inv_moment[b]);
+            // SAFETY: each body has a place of its own.
+            unsafe { motion.set(tiled.place[b] as usize, own) };
+        });
+        self.visit::<{ act::APPLY }>(team, 1.0, Which::All);
+    }
+
+    /// Lay the chunks of all tiles out; returns the number of groups.
+    fn lay_out(&mut self, blocks: &Blocks, tiled: &Tiled) -> usize {
+        let Packed { chunks, rounds, .. } = self;
+        let mut n_groups = 0;
+        let mut take = |n_blocks: usize| {
+            n_groups += n_blocks.div_ceil(L);
+            n_groups - n_blocks.div_ceil(L)..n_groups
+        };
+        chunks.clear();
+        for (round, (own, tiles)) in rounds.iter_mut().zip(tiled.all_rounds()).enumerate() {
+            own.tiles.clear();
+            own.phases.iter_mut().for_each(Vec::clear);
+            for (tile, colored) in tiles.iter().enumerate() {
+                let first = chunks.len();
+                let of_tile: usize = colored.ranges().map(|color| color.len().div_ceil(L)).sum();
+                if of_tile <= Self::SMALL * G::CHUNK {
+                    own.phase(0).push(chunks.len());
+                    let groups = colored.ranges().fold(None, |all: Option<Range<usize>>, color| {
+                        let groups = take(color.len());
+                        Some(all.map_or(groups.start, |all| all.start)..groups.end)
+                    });
+                    chunks.push(Chunk { round, tile, groups: groups.unwrap_or(0..0), blocks: None });
+                } else {
+                    for (phase, color) in colored.ranges().enumerate() {
+                        let length = L * Self::chunk(color.len().div_ceil(L));
+                        for start in color.clone().step_by(length) {
+                            let blocks = start..(start + length).min(color.end);
+                            own.phase(phase).push(chunks.len());
+                            chunks.push(Chunk { round, tile, groups: take(blocks.len()), blocks: Some(blocks) });
+                        }
+                    }
+                }
+                let contacts = colored.blocks().iter().map(|block| blocks.contacts(*block).len());
+                let n_contacts = contacts.sum::<usize>() as f64;
+                own.tiles.push(Tile { chunks: first..chunks.len(), n_contacts, ..Tile::default() });
+            }
+            // A thread has the same neighbourhood in each phase.
+            let place = |chunk: &usize| {
+                let Chunk { tile, blocks, .. } = &chunks[*chunk];
+                (*tile, blocks.clone().and_then(|own| tiles[*tile].blocks().get(own.start)))
+            };
+            own.phases.iter_mut().for_each(|phase| phase.sort_by_key(place));
+        }
+        self.visited.clear();
+        self.visited.resize(self.chunks.len(), [0.0; 2]);
+        n_groups
+    }
+
+    /// The velocity of a body.
+    pub fn twist(&self, tiled: &Tiled, body: usize) -> Twist {
+        self.motion[tiled.place[body] as usize].twist()
+    }
+
+    /// Load the motions of the bodies from a response.
+    pub fn load(&mut self, tiled: &Tiled, response: &Response) {
+        for (place, twist) in tiled.place.iter().zip(&response.twist) {
+            let motion = &mut self.motion[*place as usize];
+            *motion = Motion::of(twist, motion.row[3].wide(), motion.row[7].wide());
+        }
+    }
+
+    /// Store the motions of the bodies to a response.
+    pub fn store(&self, tiled: &Tiled, response: &mut Response) {
+        response.twist.resize(tiled.place.len() - 1, Twist::default());
+        fill_rows(&mut response.twist, |b| self.twist(tiled, b));
+    }
+
+    /// Maximum speed of a body, m/s.
+    pub fn max_speed(&self) -> f64 {
+        self.motion.iter().fold(0.0f64, |max, m| max.max(m.twist().v.length_squared())).sqrt()
+    }
+
+    /// Whether a sweep would visit any tile.
+    pub fn has(&self, which: Which) -> bool {
+        self.rounds.iter().flat_map(|round| &round.tiles).any(|tile| which.has(tile))
+    }
+
+    /// The blocks of some tiles.
+    pub fn blocks(&self, tiled: &Tiled, which: Which) -> Vec<u32> {
+        let tiles = self.rounds.iter().zip(tiled.all_rounds()).flat_map(|(round, tiles)| round.tiles.iter().zip(tiles));
+        tiles.filter(|(tile, _)| which.has(tile)).flat_map(|(_, colored)| colored.blocks().iter().copied()).collect()
+    }
+
+    /// Find the tiles of slow bodies, which are no faster than a speed, m/s.
+    pub fn find_slow(&mut self, speed: f64) {
+        let Packed { groups, motion, chunks, rounds, .. } = self;
+        let is_slow = |place: &u32| motion[*place as usize].twist().v.length_squared() <= speed * speed;
+        let of_group = |group: &G| group.bodies().as_flattened().iter().all(is_slow);
+        for tile in rounds.iter_mut().flat_map(|round| &mut round.tiles) {
+            tile.is_slow =
+                chunks[tile.chunks.clone()].iter().all(|chunk| groups[chunk.groups.clone()].iter().all(of_group));
+        }
+    }
+
+    /// Visit the blocks of some tiles once, and those in no tile. Returns what [`Group::visit`] does.
+    pub fn sweep(&mut self, team: &Team, friction: FrictionLaw, omega: f64, which: Which) -> [f64; 2] {
+        match friction {
+            FrictionLaw::Relaxed => self.visit::<{ act::RELAXED }>(team, omega, which),
+            FrictionLaw::Exact => self.visit::<{ act::EXACT }>(team, omega, which),
+        }
+    }
+
+    fn visit<const ACT: u8>(&mut self, team: &Team, omega: f64, which: Which) -> [f64; 2] {
+        let Packed { groups, motion, chunks, visited, rounds } = self;
+        let (groups, motion, visited) = (Cells::new(groups), Cells::new(motion), Cells::new(visited));
+        // Each chunk is visited by one task of a phase.
+        let visit = |chunk: usize| {
+            // SAFETY: chunks have no group in common, those of a phase no moving body.
+            unsafe {
+                let groups = groups.range(chunks[chunk].groups.clone());
+                visited.set(chunk, group::visit::<T, L, G, ACT>(groups, &motion, omega));
+            }
+        };
+        let and = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a + c, b.max(d)];
+        let mut all = [0.0; 2];
+        for (k, Round { tiles, phases }) in rounds.iter_mut().enumerate() {
+            let has = |tile: &Tile| k == 2 || which.has(tile);
+            if tiles.len() >= Self::MANY * team.n_threads() || team.n_threads() == 1 {
+                team.run(tiles.len(), &|tile| {
+                    if has(&tiles[tile]) {
+                        tiles[tile].chunks.clone().for_each(visit);
+                    }
+                });
+            } else {
+                for phase in phases.iter() {
+                    team.run(phase.len(), &|k| {
+                        if has(&tiles[chunks[phase[k]].tile]) {
+                            visit(phase[k]);
+                        }
+                    });
+                }
+            }
+            for tile in tiles {
+                let was_visited = has(tile);
+                if was_visited {
+                    // SAFETY: all tasks have ended.
+                    let of_chunks = tile.chunks.clone().map(|chunk| unsafe { visited.get(chunk) });
+                    tile.visited = of_chunks.fold([0.0; 2], and);
+                }
+                let [residual2, closing] = tile.visited;
+                all = and(all, [if was_visited { residual2 } else { 0.0 }, closing]);
+            }
+        }
+        all
+    }
+
+    /// Read the impulses of the contacts back, and the angular ones that follow them if there are any.
+    pub fn unpack(&self, (blocks, tiled): (&Blocks, &Tiled), n_contacts: usize, gamma: &mut [DVec3]) {
+        let rolls = gamma.len() > n_contacts;
+        let gamma = Cells::new(gamma);
+        let put = |group: &G, (l, k): (usize, usize), i: usize| {
+            // SAFETY: each contact is in one block, and each chunk is one task's.
+            unsafe { gamma.set(i, group.gamma(l, k)) };
+            if let Some(roll) = group.roll(l, k).filter(|_| rolls) {
+                // SAFETY: as above.
+                unsafe { gamma.set(n_contacts + i, roll) };
+            }
+        };
+        self.chunks.par_iter().for_each(|chunk| {
+            for (group, own) in self.groups[chunk.groups.clone()].iter().zip(chunk.blocks_by_groups::<L>(tiled)) {
+                for (l, block) in own.iter().enumerate() {
+                    blocks.contacts(*block).enumerate().for_each(|(k, i)| put(group, (l, k), i));
+                }
+            }
+        });
+    }
+}
+
+impl Round {
+    /// The chunks of a phase.
+    fn phase(&mut self, phase: usize) -> &mut Vec<usize> {
+        if self.phases.len() <= phase {
+            self.phases.resize_with(phase + 1, Vec::new);
+        }
+        &mut self.phases[phase]
+    }
+}
+
+impl Chunk {
+    /// The blocks of each of its groups of `L` lanes.
+    fn blocks_by_groups<'a, const L: usize>(&self, tiled: &'a Tiled) -> impl Iterator<Item = &'a [u32]> + use<'a, L> {
+        let colored: &Colored = &tiled.all_rounds()[self.round][self.tile];
+        let (own, whole) = match self.blocks.clone() {
+            Some(own) => (Some(own), None),
+            None => (None, Some(colored.ranges())),
+        };
+        let colors = own.into_iter().chain(whole.into_iter().flatten());
+        colors.flat_map(|color| colored.blocks()[color].chunks(L))
+    }
+}
