@@ -1,6 +1,7 @@
 //! The front of a frame, on the processor: items from front to back are bound, split, diced, displaced and projected, in waves. What is
 //! hidden by the waves before is not diced. Caps of spheres are tiled here, and their points made by the device.
 
+use crate::cpu::deferred::OF_GRIDS;
 use crate::cpu::displace::{displace, face_eye};
 use crate::cpu::frame::Frame;
 use crate::cpu::raster::{Raster, side_seen};
@@ -21,6 +22,7 @@ use rayon::prelude::*;
 use sl::Global;
 use sl::machine::{Machine, Points};
 use std::cmp::Ordering;
+use std::sync::{Mutex, PoisonError};
 
 /// A grid on the raster, some of whose micropolygons may be visible.
 pub struct Diced {
@@ -150,7 +152,7 @@ impl Turn {
     }
 }
 
-/// The memory of a thread.
+/// The memory of a thread that dices.
 #[derive(Default)]
 struct Hand {
     instants: Vec<motion::Instant>,
@@ -168,12 +170,15 @@ pub struct Front<'a> {
     early: Vec<(Turn, usize, Vec<Diced>)>,
     /// Items, and pieces of items, that are diced at a time.
     round: usize,
+    /// Those of threads that dice nothing at present.
+    hands: Mutex<Vec<Hand>>,
 }
 
 impl<'a> Front<'a> {
     /// Of items with their least depths, the nearest first; so many of them, or of their pieces, are diced at a time.
     pub fn new(frame: &'a Frame<'a>, items: Vec<(f32, Item)>, round: usize) -> Front<'a> {
-        Front { frame, items: items.into_iter().peekable(), queue: Queue::default(), early: vec![], round }
+        let (items, hands) = (items.into_iter().peekable(), Mutex::default());
+        Front { frame, items, queue: Queue::default(), early: vec![], round, hands }
     }
 
     /// Dice what comes next, until there are about so many points; nothing if all is diced. The grids are in the order of their turns, those of
@@ -205,11 +210,14 @@ impl<'a> Front<'a> {
         /// Turns that a thread takes at a time.
         const CHUNK: usize = 8;
         let (turns, frame) = (self.turns(until), self.frame);
+        let hands = || self.hands.lock().unwrap_or_else(PoisonError::into_inner);
         let diced: Vec<(Vec<(Vec<Diced>, Vec<Waiting>)>, Stats)> = turns
             .par_chunks(CHUNK)
-            .map_init(Hand::default, |hand, turns| {
+            .map(|turns| {
                 let (begun, mut stats) = (std::time::Instant::now(), Stats::default());
+                let mut hand = hands().pop().unwrap_or_default();
                 let own = turns.iter().map(|turn| hand.dice(frame, window, *turn, &mut stats)).collect();
+                hands().push(hand);
                 stats.seconds.dice = begun.elapsed().as_secs_f64();
                 (own, stats)
             })
@@ -355,11 +363,11 @@ impl Sink for Taken<'_> {
         self.diced.push(Diced {
             item,
             size: [grid.points.nu, grid.points.nv],
-            points: Some(Box::new(std::mem::take(&mut grid.points))),
+            points: Some(Box::new(given(&grid.points))),
             cap: None,
-            raster: std::mem::take(&mut self.raster.at),
+            raster: self.raster.at.clone(),
             keys: self.keys(),
-            micropolygons: std::mem::take(&mut self.raster.micropolygons),
+            micropolygons: self.raster.micropolygons.clone(),
             side,
             reach: grid.reach,
             z: bound.z,
@@ -368,6 +376,20 @@ impl Sink for Taken<'_> {
             motion,
         });
     }
+}
+
+/// What a grid gives of its points, as long as it is: the dicer's own memory is used again.
+fn given(points: &Points) -> Points {
+    let n = points.n();
+    let mut own = Points::new(points.nu, points.nv, points.orientation);
+    for global in OF_GRIDS {
+        if let Some(values) = points.get(global).filter(|v| !v.is_empty() && v.len() % n == 0) {
+            own.set(global, values.to_vec());
+        }
+    }
+    own.messages.clone_from(&points.messages);
+    points.variables().iter().for_each(|values| own.next_variable().extend_from_slice(values));
+    own
 }
 
 /// Whether the device dices the caps of a sphere: all that is wanted of their points are P, N, Ng and I.
