@@ -168,6 +168,9 @@ pub struct Front<'a> {
     queue: Queue,
     /// Grids that were diced before others whose turn is earlier, those of a turn together, with the count of their points.
     early: Vec<(Turn, usize, Vec<Diced>)>,
+    /// Count of the points of all of these, and whether they are in the order of their turns.
+    n_early: usize,
+    in_order: bool,
     /// Items, and pieces of items, that are diced at a time.
     round: usize,
     /// Those of threads that dice nothing at present.
@@ -178,21 +181,25 @@ impl<'a> Front<'a> {
     /// Of items with their least depths, the nearest first; so many of them, or of their pieces, are diced at a time.
     pub fn new(frame: &'a Frame<'a>, items: Vec<(f32, Item)>, round: usize) -> Front<'a> {
         let (items, hands) = (items.into_iter().peekable(), Mutex::default());
-        Front { frame, items, queue: Queue::default(), early: vec![], round, hands }
+        Front { frame, items, queue: Queue::default(), early: vec![], n_early: 0, in_order: true, round, hands }
     }
 
     /// Dice what comes next, until there are about so many points; nothing if all is diced. The grids are in the order of their turns, those of
     /// later waves after those of earlier ones: of what is equally deep, the first is visible, however much is diced at a time.
     pub fn wave(&mut self, window: &Window, n_points: usize, stats: &mut Stats) -> Vec<Diced> {
         loop {
-            self.early.sort_by(|a, b| a.0.cmp(&b.0));
+            if !self.in_order {
+                self.early.sort_by(|a, b| a.0.cmp(&b.0));
+                self.in_order = true;
+            }
             let next = self.next();
             let end = match next {
                 Some(next) => self.early.partition_point(|(turn, ..)| turn.cmp(&next).is_lt()),
                 None => self.early.len(),
             };
-            let count = |some: &[(Turn, usize, Vec<Diced>)]| some.iter().map(|(_, n, _)| n).sum::<usize>();
-            if count(&self.early[..end]) >= n_points || next.is_none() {
+            let later: usize = self.early[end..].iter().map(|(_, n, _)| n).sum();
+            if self.n_early - later >= n_points || next.is_none() {
+                self.n_early = later;
                 let early = self.early.split_off(end);
                 let now = std::mem::replace(&mut self.early, early);
                 let mut grids = Vec::with_capacity(now.iter().map(|(.., own)| own.len()).sum());
@@ -200,7 +207,7 @@ impl<'a> Front<'a> {
                 return grids;
             }
             // Where there is enough that waits for what is nearer, nothing is diced that is farther: it may be hidden.
-            let last = self.early.last().map(|(turn, ..)| *turn).filter(|_| count(&self.early) >= n_points);
+            let last = self.early.last().map(|(turn, ..)| *turn).filter(|_| self.n_early >= n_points);
             self.round(window, last, stats);
         }
     }
@@ -225,7 +232,10 @@ impl<'a> Front<'a> {
         for (turns, (of_turns, of_chunk)) in turns.chunks(CHUNK).zip(diced) {
             for (turn, (own, waiting)) in turns.iter().zip(of_turns) {
                 if !own.is_empty() {
-                    self.early.push((*turn, own.iter().map(Diced::n).sum(), own));
+                    let n = own.iter().map(Diced::n).sum();
+                    self.n_early += n;
+                    self.in_order &= self.early.last().is_none_or(|(last, ..)| last.cmp(turn).is_le());
+                    self.early.push((*turn, n, own));
                 }
                 self.queue.extend(waiting);
             }
