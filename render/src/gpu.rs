@@ -12,6 +12,7 @@ mod kept;
 mod kernels;
 mod layers;
 pub mod limits;
+mod materials;
 mod outputs;
 mod refusal;
 pub mod render;

@@ -11,6 +11,8 @@ mod layers;
 mod sides;
 #[path = "backends/table.rs"]
 mod table;
+#[path = "backends/uploads.rs"]
+mod uploads;
 
 use render::film::bucket::Shard;
 use render::ri::files::Files;

@@ -300,6 +300,12 @@ fn note_identities(frame: &Frame<'_>, samples: &mut Samples, grids: &[DeferredGr
     }
 }
 
+/// What grids have of points that are shaded later: all else is found then.
+pub const OF_GRIDS: [Global; 8] = {
+    use Global::{DPdtime, N, Ng, P, S, T, U, V};
+    [P, N, Ng, U, V, S, T, DPdtime]
+};
+
 /// Some points of a grid, as a row of their own; the first `n_uniform` of its primitive variables are the same all over.
 pub fn gather(points: &Points, n_uniform: usize, few: &[u32], out: &mut Points) {
     let n = points.n();
@@ -309,8 +315,7 @@ pub fn gather(points: &Points, n_uniform: usize, few: &[u32], out: &mut Points) 
             out.extend(few.iter().map(|k| run[*k as usize]));
         }
     };
-    use Global::{DPdtime, N, Ng, P, S, T, U, V};
-    for global in [P, N, Ng, U, V, S, T, DPdtime] {
+    for global in OF_GRIDS {
         let goal = out.refill(global);
         if let Some(values) = points.get(global).filter(|v| !v.is_empty() && v.len() % n == 0) {
             of(values, goal);

@@ -27,16 +27,17 @@ pub fn displace(scene: &Scene, rays: &Rays<'_>, subject: &Subject<'_>, grid: &mu
         if subject.needs_geometric_normal() {
             fill_geometric_normal(points);
         }
-        let before = points.get(Global::P).unwrap_or(&[]).to_vec();
+        let before = &mut grid.undisplaced;
+        before.clear();
+        before.extend_from_slice(points.get(Global::P).unwrap_or(&[]));
         machine.run_with(displacement, &view.attached.displacement, points, &seen);
         machine.tell(Ask::Displacement, displacement, points);
         spread(points);
         let after = points.get(Global::P).unwrap_or(&[]);
         let n = points.n();
-        let moved = |k: usize| {
-            (0..3).map(|c| (after[c * n + k] as f64 - before[c * n + k] as f64).powi(2)).sum::<f64>().sqrt() as f32
-        };
-        let farthest = (0..n).map(moved).fold(0.0, f32::max);
+        let moved =
+            |k: usize| (0..3).map(|c| (after[c * n + k] as f64 - before[c * n + k] as f64).powi(2)).sum::<f64>();
+        let farthest = (0..n).map(moved).fold(0.0, f64::max).sqrt() as f32;
         let is_finite = after.iter().all(|x| x.is_finite());
         if farthest > 0.0 && subject.needs_geometric_normal() {
             geometric_normals(points);
@@ -133,14 +134,15 @@ pub fn face_eye(subject: &Subject<'_>, grid: &mut Grid) {
 fn strip_apron(points: &mut Points, n_uniform: usize) {
     let (nu, nv, n) = (points.nu, points.nv, points.n());
     let inner = |v: &mut Vec<f32>| {
-        let mut kept = Vec::with_capacity(v.len());
+        let mut end = 0;
         for c in 0..v.len() / n {
             for j in 1..nv - 1 {
                 let row = c * n + j * nu;
-                kept.extend_from_slice(&v[row + 1..row + nu - 1]);
+                v.copy_within(row + 1..row + nu - 1, end);
+                end += nu - 2;
             }
         }
-        *v = kept;
+        v.truncate(end);
     };
     points
         .messages

@@ -67,6 +67,8 @@ pub trait Sink {
 pub struct Grid {
     /// P, N, Ng where it is wanted and another than N, and u, v, s, t where these are wanted; primitive variables in the slots of the item's view.
     pub points: Points,
+    /// P before displacement, of the grid that was displaced last.
+    pub undisplaced: Vec<f32>,
     /// How far each point is from where it was first, world space, at each moment of the item but the first: x of all, y of all,
     /// z of all. Empty if it keeps its form.
     pub deformed: Vec<Vec<f32>>,

@@ -195,13 +195,14 @@ impl<'k> Few<'k> {
         });
         self.note_given(frame, (grid.item, &grid.motion), first, (batch, k), view, points);
         if let (Some(later), Some(shader)) = (later, &view.attributes.atmosphere) {
-            // The surface's results come here.
-            let n = points.n();
-            let found = |g: &Global| self.kernel.is_some_and(|kernel| offset_of(kernel, *g).is_some());
-            let given = [Global::Ci, Global::Oi].into_iter().filter(found);
-            given.for_each(|g| points.refill(g).resize(3 * n, 1.0));
+            // The surface's results come here, and what it was given.
+            let is_found = |g: Global| self.kernel.is_some_and(|kernel| offset_of(kernel, g).is_some());
+            let is_relayed = |g: &Global| is_found(*g) && shader.program.global(*g).is_some();
+            let is_carried = |g: &Global| batch.start_of(k, *g).is_some();
+            let relayed = [Global::Ci, Global::Oi].into_iter().filter(is_relayed);
+            let filled: Vec<Global> = relayed.chain(CARRIED.into_iter().filter(is_carried)).collect();
             let scene = View { shader_to_world: view.attributes.atmosphere_space, ..scene };
-            add(later, (shader, &view.attached.atmosphere), points, &scene, (&own, &[]))?;
+            add(later, (shader, &view.attached.atmosphere), points, &scene, (&own, &filled))?;
         }
         self.gathered = gathered;
         Ok(())
@@ -267,19 +268,25 @@ impl<'k> Few<'k> {
         }
     }
 
-    /// The runs of a surface's results that its atmosphere is given.
-    pub fn relays(&self, batch: &Batch<'_>, kernel: &Kernel, later: &Batch<'_>) -> Vec<[u32; 4]> {
-        let mut runs = vec![];
-        for global in [Global::Ci, Global::Oi] {
-            let Some(offset) = offset_of(kernel, global) else { continue };
-            for (k, grid) in self.grids.iter().enumerate() {
-                if let Some(goal) = later.start_of(k, global) {
-                    let source = batch.results_of(k) + offset * grid.n;
-                    runs.push([source as u32, goal as u32, 3 * grid.n as u32, 0]);
-                }
+    /// The runs of a surface's results that its atmosphere is given, and of what the surface was given itself.
+    pub fn relays(&self, batch: &Batch<'_>, kernel: &Kernel, later: &Batch<'_>) -> [Vec<[u32; 4]>; 2] {
+        let run = |k: usize, source: usize, goal: usize, is_carried: bool| {
+            [source as u32, goal as u32, 3 * self.grids[k].n as u32, u32::from(is_carried)]
+        };
+        let [mut results, mut values] = [vec![], vec![]];
+        for k in 0..self.grids.len() {
+            for global in [Global::Ci, Global::Oi] {
+                let found = offset_of(kernel, global).zip(later.start_of(k, global));
+                results.extend(
+                    found.map(|(offset, goal)| run(k, batch.results_of(k) + offset * self.grids[k].n, goal, false)),
+                );
+            }
+            for global in CARRIED {
+                let found = batch.start_of(k, global).zip(later.start_of(k, global));
+                values.extend(found.map(|(source, goal)| run(k, source, goal, true)));
             }
         }
-        runs
+        [results, values]
     }
 }
 
@@ -291,6 +298,9 @@ fn of_cap(orientation: f32, view: &ItemView<'_>, n: usize, points: &mut Points) 
     view.fill_variables(points);
     view.to_current(points);
 }
+
+/// What an atmosphere's shader is given as the surface's was, however that left it.
+const CARRIED: [Global; 3] = [Global::P, Global::N, Global::I];
 
 /// What the device gives shaders of points that it dices.
 const OF_CAPS: [Global; 4] = [Global::P, Global::N, Global::I, Global::Ng];

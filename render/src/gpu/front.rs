@@ -1,6 +1,7 @@
 //! The front of a frame, on the processor: items from front to back are bound, split, diced, displaced and projected, in waves. What is
 //! hidden by the waves before is not diced. Caps of spheres are tiled here, and their points made by the device.
 
+use crate::cpu::deferred::OF_GRIDS;
 use crate::cpu::displace::{displace, face_eye};
 use crate::cpu::frame::Frame;
 use crate::cpu::raster::{Raster, side_seen};
@@ -21,6 +22,7 @@ use rayon::prelude::*;
 use sl::Global;
 use sl::machine::{Machine, Points};
 use std::cmp::Ordering;
+use std::sync::{Mutex, PoisonError};
 
 /// A grid on the raster, some of whose micropolygons may be visible.
 pub struct Diced {
@@ -150,7 +152,7 @@ impl Turn {
     }
 }
 
-/// The memory of a thread.
+/// The memory of a thread that dices.
 #[derive(Default)]
 struct Hand {
     instants: Vec<motion::Instant>,
@@ -166,28 +168,38 @@ pub struct Front<'a> {
     queue: Queue,
     /// Grids that were diced before others whose turn is earlier, those of a turn together, with the count of their points.
     early: Vec<(Turn, usize, Vec<Diced>)>,
+    /// Count of the points of all of these, and whether they are in the order of their turns.
+    n_early: usize,
+    in_order: bool,
     /// Items, and pieces of items, that are diced at a time.
     round: usize,
+    /// Those of threads that dice nothing at present.
+    hands: Mutex<Vec<Hand>>,
 }
 
 impl<'a> Front<'a> {
     /// Of items with their least depths, the nearest first; so many of them, or of their pieces, are diced at a time.
     pub fn new(frame: &'a Frame<'a>, items: Vec<(f32, Item)>, round: usize) -> Front<'a> {
-        Front { frame, items: items.into_iter().peekable(), queue: Queue::default(), early: vec![], round }
+        let (items, hands) = (items.into_iter().peekable(), Mutex::default());
+        Front { frame, items, queue: Queue::default(), early: vec![], n_early: 0, in_order: true, round, hands }
     }
 
     /// Dice what comes next, until there are about so many points; nothing if all is diced. The grids are in the order of their turns, those of
     /// later waves after those of earlier ones: of what is equally deep, the first is visible, however much is diced at a time.
     pub fn wave(&mut self, window: &Window, n_points: usize, stats: &mut Stats) -> Vec<Diced> {
         loop {
-            self.early.sort_by(|a, b| a.0.cmp(&b.0));
+            if !self.in_order {
+                self.early.sort_by(|a, b| a.0.cmp(&b.0));
+                self.in_order = true;
+            }
             let next = self.next();
             let end = match next {
                 Some(next) => self.early.partition_point(|(turn, ..)| turn.cmp(&next).is_lt()),
                 None => self.early.len(),
             };
-            let count = |some: &[(Turn, usize, Vec<Diced>)]| some.iter().map(|(_, n, _)| n).sum::<usize>();
-            if count(&self.early[..end]) >= n_points || next.is_none() {
+            let later: usize = self.early[end..].iter().map(|(_, n, _)| n).sum();
+            if self.n_early - later >= n_points || next.is_none() {
+                self.n_early = later;
                 let early = self.early.split_off(end);
                 let now = std::mem::replace(&mut self.early, early);
                 let mut grids = Vec::with_capacity(now.iter().map(|(.., own)| own.len()).sum());
@@ -195,7 +207,7 @@ impl<'a> Front<'a> {
                 return grids;
             }
             // Where there is enough that waits for what is nearer, nothing is diced that is farther: it may be hidden.
-            let last = self.early.last().map(|(turn, ..)| *turn).filter(|_| count(&self.early) >= n_points);
+            let last = self.early.last().map(|(turn, ..)| *turn).filter(|_| self.n_early >= n_points);
             self.round(window, last, stats);
         }
     }
@@ -205,11 +217,14 @@ impl<'a> Front<'a> {
         /// Turns that a thread takes at a time.
         const CHUNK: usize = 8;
         let (turns, frame) = (self.turns(until), self.frame);
+        let hands = || self.hands.lock().unwrap_or_else(PoisonError::into_inner);
         let diced: Vec<(Vec<(Vec<Diced>, Vec<Waiting>)>, Stats)> = turns
             .par_chunks(CHUNK)
-            .map_init(Hand::default, |hand, turns| {
+            .map(|turns| {
                 let (begun, mut stats) = (std::time::Instant::now(), Stats::default());
+                let mut hand = hands().pop().unwrap_or_default();
                 let own = turns.iter().map(|turn| hand.dice(frame, window, *turn, &mut stats)).collect();
+                hands().push(hand);
                 stats.seconds.dice = begun.elapsed().as_secs_f64();
                 (own, stats)
             })
@@ -217,7 +232,10 @@ impl<'a> Front<'a> {
         for (turns, (of_turns, of_chunk)) in turns.chunks(CHUNK).zip(diced) {
             for (turn, (own, waiting)) in turns.iter().zip(of_turns) {
                 if !own.is_empty() {
-                    self.early.push((*turn, own.iter().map(Diced::n).sum(), own));
+                    let n = own.iter().map(Diced::n).sum();
+                    self.n_early += n;
+                    self.in_order &= self.early.last().is_none_or(|(last, ..)| last.cmp(turn).is_le());
+                    self.early.push((*turn, n, own));
                 }
                 self.queue.extend(waiting);
             }
@@ -355,11 +373,11 @@ impl Sink for Taken<'_> {
         self.diced.push(Diced {
             item,
             size: [grid.points.nu, grid.points.nv],
-            points: Some(Box::new(std::mem::take(&mut grid.points))),
+            points: Some(Box::new(given(&grid.points))),
             cap: None,
-            raster: std::mem::take(&mut self.raster.at),
+            raster: self.raster.at.clone(),
             keys: self.keys(),
-            micropolygons: std::mem::take(&mut self.raster.micropolygons),
+            micropolygons: self.raster.micropolygons.clone(),
             side,
             reach: grid.reach,
             z: bound.z,
@@ -368,6 +386,20 @@ impl Sink for Taken<'_> {
             motion,
         });
     }
+}
+
+/// What a grid gives of its points, as long as it is: the dicer's own memory is used again.
+fn given(points: &Points) -> Points {
+    let n = points.n();
+    let mut own = Points::new(points.nu, points.nv, points.orientation);
+    for global in OF_GRIDS {
+        if let Some(values) = points.get(global).filter(|v| !v.is_empty() && v.len() % n == 0) {
+            own.set(global, values.to_vec());
+        }
+    }
+    own.messages.clone_from(&points.messages);
+    points.variables().iter().for_each(|values| own.next_variable().extend_from_slice(values));
+    own
 }
 
 /// Whether the device dices the caps of a sphere: all that is wanted of their points are P, N, Ng and I.

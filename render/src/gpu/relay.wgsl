@@ -1,5 +1,6 @@
-// What one shader has found, in the range of an image, becomes what the next is given: runs of numbers from the results of a kernel to the values of another.
-// in   runs     [n_runs]     first number among the results, first among the values, their number, 0
+// What one shader has found, in the range of an image, becomes what the next is given, and what it was given itself as it is: runs of numbers from the
+// results or the values of a kernel to the values of another.
+// in   runs     [n_runs]     first number among the results, first among the values, their number, 1 if they stay as they are
 // in   results  [n_results]
 // out  values   [n_values]
 // in   params   [1]          count of runs
@@ -18,6 +19,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let run = runs[at];
     for (var k = thread; k < run.z; k += 64u) {
-        values[run.y + k] = limited(results[run.x + k]);
+        let own = results[run.x + k];
+        values[run.y + k] = select(limited(own), own, run.w == 1u);
     }
 }

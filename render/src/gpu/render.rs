@@ -129,7 +129,7 @@ impl Renderer {
         let frame = Frame::new(scene, options, camera);
         let mut shaders = Shaders::new(device, (&self.kernels, &self.own, kept), self.limits.values)?;
         let layered: Vec<bool> = (0..scene.sources.len()).map(|k| is_layered(&frame, k)).collect();
-        let needs = shaders.find(&frame, &layered)?;
+        let needs = shaders.materials.find(&frame, &layered)?;
         shaders.set_world(&world_of(&frame, needs, self.most_facets())?)?;
         let hierarchy = start.elapsed().as_secs_f64();
         let items = scene.sources.iter().map(|s| s.len() as u64).sum();
@@ -491,7 +491,7 @@ impl<'a> Drawing<'a> {
         let (options, own) = (self.frame.options, self.buckets());
         let width = self.image.width;
         let depth = self.frame.depth;
-        self.shaders.report(self.frame.scene)?;
+        self.shaders.materials.report(self.frame.scene)?;
         self.settle()?;
         let start = Instant::now();
         let n_drawn: usize = own.iter().map(|bucket| bucket.width * bucket.height).sum();

@@ -255,7 +255,9 @@ impl<'a> Samples<'a> {
         culls: bool,
         commands: &mut Commands,
     ) -> Result<(), GpuError> {
-        let (mut points, mut micropolygons) = (Runs::default(), Runs::default());
+        let of_host = || grids.iter().filter(|grid| grid.cap.is_none());
+        let mut points = Runs::with_capacity(of_host().flat_map(|grid| &grid.raster).map(Vec::len).sum());
+        let mut micropolygons = Runs::with_capacity(of_host().map(|grid| grid.micropolygons.len()).sum());
         let (mut tracks, mut caps) = (vec![], vec![]);
         let mut n_points = self.n_points;
         let first_track = self.blur.as_ref().map_or(0, |blur| blur.n);
@@ -409,13 +411,12 @@ struct Runs<T> {
     n: usize,
 }
 
-impl<T> Default for Runs<T> {
-    fn default() -> Runs<T> {
-        Runs { rows: vec![], starts: vec![], n: 0 }
-    }
-}
-
 impl<T: gpu::Pod> Runs<T> {
+    /// None yet, with room for a number of rows.
+    fn with_capacity(n: usize) -> Runs<T> {
+        Runs { rows: Vec::with_capacity(n), starts: vec![], n: 0 }
+    }
+
     fn extend(&mut self, rows: impl Iterator<Item = T>) {
         let before = self.rows.len();
         if self.starts.last().is_none_or(|[at, first]| self.n - at != before - first) {

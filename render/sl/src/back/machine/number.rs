@@ -3,11 +3,62 @@
 use super::state::{Beyond, Indexed, Machine};
 use crate::ir::*;
 use crate::shadeop::matrix::element;
-use crate::shadeop::number::{binary_run, binary_value, select_run, unary_run};
+use crate::shadeop::number::{binary_run, binary_value, select_run, unary_run, unary_value};
 use crate::shadeop::runs::{at, run_of};
 
 impl Machine {
-    pub(super) fn unary(&mut self, f: Unary, dst: Reg, a: Reg) {
+    /// Run an operation component by component, if it is one. Those of single numbers are the most.
+    #[inline]
+    pub(super) fn number(&mut self, op: &Op) -> bool {
+        match op {
+            Op::Const(dst @ Reg::Float(_), v) => {
+                self.set_one(*dst, *v);
+                true
+            }
+            Op::Binary(f, dst, a, b) => {
+                self.binary(*f, *dst, *a, *b);
+                true
+            }
+            _ => self.other_number(op),
+        }
+    }
+
+    #[inline(never)]
+    fn other_number(&mut self, op: &Op) -> bool {
+        match op {
+            Op::Const(dst, v) => {
+                let reg = &mut self.regs[dst.index()];
+                reg.clear();
+                reg.resize(dst.width(), *v);
+            }
+            Op::Unary(f, dst, a) => self.unary(*f, *dst, *a),
+            Op::Select(dst, c, a, b) => self.select(*dst, *c, *a, *b),
+            Op::Pack(dst, parts) => self.pack(*dst, parts),
+            Op::Component(dst, a, c) => self.component(*dst, *a, *c),
+            Op::Assign(dst, a) => self.assign(*dst, *a),
+            _ => return false,
+        }
+        true
+    }
+
+    /// Set a register to one number.
+    #[inline]
+    fn set_one(&mut self, dst: Reg, value: f32) {
+        let reg = &mut self.regs[dst.index()];
+        match &mut reg[..] {
+            [one] => *one = value,
+            _ => {
+                reg.clear();
+                reg.push(value);
+            }
+        }
+    }
+
+    fn unary(&mut self, f: Unary, dst: Reg, a: Reg) {
+        if let ([a], 1) = (&self.regs[a.index()][..], dst.width()) {
+            let value = unary_value(f, *a);
+            return self.set_one(dst, value);
+        }
         let repeats = dst.width() / a.width();
         let mut out = std::mem::take(&mut self.regs[dst.index()]);
         let a = &self.regs[a.index()];
@@ -17,24 +68,38 @@ impl Machine {
         self.regs[dst.index()] = out;
     }
 
+    #[inline]
     pub(super) fn binary(&mut self, f: Binary, dst: Reg, a: Reg, b: Reg) {
-        let (wa, wb) = (a.width(), b.width());
+        match (&self.regs[a.index()][..], &self.regs[b.index()][..], dst) {
+            ([a], [b], Reg::Float(_)) => {
+                let value = binary_value(f, *a, *b);
+                self.set_one(dst, value);
+            }
+            _ => self.binary_of_many(f, dst, a, b),
+        }
+    }
+
+    #[inline(never)]
+    fn binary_of_many(&mut self, f: Binary, dst: Reg, a: Reg, b: Reg) {
+        let (w, wa, wb) = (dst.width(), a.width(), b.width());
         let mut out = std::mem::take(&mut self.regs[dst.index()]);
         let (a, b) = (&self.regs[a.index()][..], &self.regs[b.index()][..]);
-        if let ([a], [b], 1) = (a, b, dst.width()) {
-            out.resize(1, 0.0);
-            out[0] = binary_value(f, *a, *b);
+        if a.len() == wa && b.len() == wb {
+            out.resize(w, 0.0);
+            for (c, x) in out.iter_mut().enumerate() {
+                *x = binary_value(f, a[c.min(wa - 1)], b[c.min(wb - 1)]);
+            }
         } else {
-            let n = if a.len() != wa || b.len() != wb { self.n } else { 1 };
-            out.resize(dst.width() * n, 0.0);
-            for c in 0..dst.width() {
-                binary_run(f, &mut out[c * n..][..n], run_of(a, wa, c, self.n), run_of(b, wb, c, self.n));
+            let n = self.n;
+            out.resize(w * n, 0.0);
+            for c in 0..w {
+                binary_run(f, &mut out[c * n..][..n], run_of(a, wa, c, n), run_of(b, wb, c, n));
             }
         }
         self.regs[dst.index()] = out;
     }
 
-    pub(super) fn select(&mut self, dst: Reg, c: FloatReg, a: Reg, b: Reg) {
+    fn select(&mut self, dst: Reg, c: FloatReg, a: Reg, b: Reg) {
         let mut out = std::mem::take(&mut self.regs[dst.index()]);
         let view = |r: Reg| (&self.regs[r.index()][..], r.width());
         let (c, a, b) = (view(c.into()), view(a), view(b));
@@ -45,6 +110,29 @@ impl Machine {
             let of = |(v, w)| run_of(v, w, k, self.n);
             select_run(&mut out[k * n..][..n], of(c), of(a), of(b));
         }
+        self.regs[dst.index()] = out;
+    }
+
+    fn pack(&mut self, dst: Reg, parts: &[FloatReg]) {
+        let varying = parts.iter().any(|r| self.regs[r.index()].len() != 1);
+        debug_assert_eq!(parts.len(), dst.width());
+        let mut out = std::mem::take(&mut self.regs[dst.index()]);
+        out.clear();
+        for r in parts {
+            match (&self.regs[r.index()], varying) {
+                (v, true) if v.len() == 1 => out.extend(std::iter::repeat_n(v[0], self.n)),
+                (v, _) => out.extend_from_slice(v),
+            }
+        }
+        self.regs[dst.index()] = out;
+    }
+
+    fn component(&mut self, dst: FloatReg, a: TripleReg, c: u8) {
+        let mut out = std::mem::take(&mut self.regs[dst.index()]);
+        let a = &self.regs[a.index()];
+        let run = a.len() / 3;
+        out.clear();
+        out.extend_from_slice(&a[c as usize * run..(c as usize + 1) * run]);
         self.regs[dst.index()] = out;
     }
 

@@ -196,54 +196,35 @@ impl Machine {
     }
 
     pub(super) fn block(&mut self, ops: &[Op], scene: &dyn Scene) {
+        let mut is_off = self.all_off();
         for op in ops {
-            if self.all_off() {
+            if is_off {
                 return;
             }
-            self.op(op, scene);
+            // Operations on numbers are the most, and turn no point off.
+            if !self.number(op) {
+                self.op(op, scene);
+                is_off = self.all_off();
+            }
         }
     }
 
-    /// Run an operation. Long, because it has an arm for each.
+    /// Run an operation. Long, because it has an arm for each but those on numbers.
     pub(super) fn op(&mut self, op: &Op, scene: &dyn Scene) {
         match op {
-            Op::Const(dst, v) => {
-                let w = dst.width();
-                let reg = &mut self.regs[dst.index()];
-                reg.clear();
-                reg.resize(w, *v);
-            }
             Op::TextConst(dst, text) => self.texts[dst.index()].clone_from(text),
             Op::TextCopy(dst, a) => self.texts[dst.index()] = self.texts[a.index()].clone(),
             Op::TextEqual(dst, a, b) => {
                 let same = self.texts[a.index()] == self.texts[b.index()];
                 self.regs[dst.index()] = vec![same as u8 as f32];
             }
-            Op::Unary(f, dst, a) => self.unary(*f, *dst, *a),
-            Op::Binary(f, dst, a, b) => self.binary(*f, *dst, *a, *b),
-            Op::Select(dst, c, a, b) => self.select(*dst, *c, *a, *b),
-            Op::Pack(dst, parts) => {
-                let varying = parts.iter().any(|r| self.regs[r.index()].len() != 1);
-                debug_assert_eq!(parts.len(), dst.width());
-                let mut out = std::mem::take(&mut self.regs[dst.index()]);
-                out.clear();
-                for r in parts {
-                    match (&self.regs[r.index()], varying) {
-                        (v, true) if v.len() == 1 => out.extend(std::iter::repeat_n(v[0], self.n)),
-                        (v, _) => out.extend_from_slice(v),
-                    }
-                }
-                self.regs[dst.index()] = out;
-            }
-            Op::Component(dst, a, c) => {
-                let mut out = std::mem::take(&mut self.regs[dst.index()]);
-                let a = &self.regs[a.index()];
-                let run = a.len() / 3;
-                out.clear();
-                out.extend_from_slice(&a[*c as usize * run..(*c as usize + 1) * run]);
-                self.regs[dst.index()] = out;
-            }
-            Op::Assign(dst, a) => self.assign(*dst, *a),
+            Op::Const(..)
+            | Op::Unary(..)
+            | Op::Binary(..)
+            | Op::Select(..)
+            | Op::Pack(..)
+            | Op::Component(..)
+            | Op::Assign(..) => _ = self.number(op),
             Op::Call(f, dst, args) => {
                 self.call(*f, *dst, args, scene);
             }
