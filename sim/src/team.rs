@@ -2,6 +2,7 @@
 //! phases, which may be shorter than it takes to wake a thread, they stay awake. Which thread does a task never matters to the result.
 
 use std::cell::{Cell, UnsafeCell};
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
@@ -68,9 +69,8 @@ struct Done(AtomicU64);
 
 /// A team, as its lead sees it.
 pub struct Team {
+    /// The seats, the first of which is the lead's.
     seats: Vec<Seat>,
-    /// The seat of the lead.
-    own: usize,
     has_ended: AtomicBool,
     /// The phase that went on last.
     phase: Cell<u64>,
@@ -86,16 +86,22 @@ unsafe impl Sync for Shared<'_> {}
 // SAFETY: as above.
 unsafe impl Send for Shared<'_> {}
 
-/// Run `lead` with the threads of the pool at its side.
+/// Number of processors that this process may use.
+fn n_processors() -> usize {
+    static N: OnceLock<usize> = OnceLock::new();
+    *N.get_or_init(|| std::thread::available_parallelism().map_or(1, |n| n.get()))
+}
+
+/// Run `lead` with the threads of the pool at its side, of which there are no more than processors, or alone where its work `is_small`.
 pub fn gather<R>(pace: &mut Pace, is_small: bool, lead: impl FnOnce(&Team) -> R) -> R {
-    let n = if is_small || pace.is_paused() { 1 } else { rayon::current_num_threads() };
+    let n_threads = rayon::current_num_threads();
+    let n = if is_small || pace.is_paused() { 1 } else { n_threads.min(n_processors()) };
     let seat = |_| Seat {
         share: Share { next: AtomicU64::new(0), end: AtomicU64::new(0), task: UnsafeCell::new(None) },
         done: Done(AtomicU64::new(0)),
     };
     let team = Team {
         seats: (0..n).map(seat).collect(),
-        own: rayon::current_thread_index().unwrap_or(0).min(n - 1),
         has_ended: AtomicBool::new(false),
         phase: Cell::new(0),
         is_crowded: Cell::new(false),
@@ -105,12 +111,13 @@ pub fn gather<R>(pace: &mut Pace, is_small: bool, lead: impl FnOnce(&Team) -> R)
     }
     let shared = Shared(&team);
     let result = rayon::in_place_scope(|scope| {
-        let own = rayon::current_thread_index();
+        let own = rayon::current_thread_index().unwrap_or(0);
         let shared = &shared;
         scope.spawn_broadcast(move |_, at| {
             // The lead's own part comes to it while it waits for others, or at the end.
-            if Some(at.index()) != own {
-                shared.0.help(at.index());
+            let seat = (at.index() + n_threads - own) % n_threads;
+            if seat > 0 && seat < n {
+                shared.0.help(seat);
             }
         });
         let _end = End(&team.has_ended);
@@ -178,7 +185,7 @@ impl Team {
         }
         let wait = Wait(self, phase, n as u64);
         let begun = Instant::now();
-        let done = self.work(self.own, phase);
+        let done = self.work(0, phase);
         if self.has_done(phase, n as u64) {
             return;
         }
