@@ -87,19 +87,9 @@ pub fn reduce_tasks<T: Send, const K: usize>(
     is_serial: bool,
     visit: impl Fn(T) -> [f64; K] + Send + Sync,
 ) -> [f64; K] {
-    fold_tasks(tasks, is_serial, visit, add)
-}
-
-/// Run independent tasks, in parallel unless `is_serial`, and combine what they return, in order, from zeros on.
-pub fn fold_tasks<T: Send, const K: usize>(
-    tasks: impl IndexedParallelIterator<Item = T>,
-    is_serial: bool,
-    visit: impl Fn(T) -> [f64; K] + Send + Sync,
-    combine: impl Fn([f64; K], [f64; K]) -> [f64; K],
-) -> [f64; K] {
     let min_len = if is_serial { tasks.len().max(1) } else { 1 };
     let parts: Vec<[f64; K]> = tasks.with_min_len(min_len).map(visit).collect();
-    parts.into_iter().fold([0.0; K], combine)
+    parts.into_iter().fold([0.0; K], add)
 }
 
 /// Componentwise sum.

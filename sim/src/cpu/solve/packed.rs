@@ -87,6 +87,8 @@ impl<T, const L: usize, G> Default for Packed<T, L, G> {
 impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
     /// Chunks up to which a tile is one chunk.
     const SMALL: usize = 2;
+    /// The round of the blocks in no tile.
+    const LAST: usize = 2;
     /// Tiles for each thread from which on a thread takes whole ones.
     const MANY: usize = 4;
 
@@ -250,7 +252,7 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
         let and = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a + c, b.max(d)];
         let mut all = [0.0; 2];
         for (k, Round { tiles, phases }) in rounds.iter_mut().enumerate() {
-            let has = |tile: &Tile| k == 2 || which.has(tile);
+            let has = |tile: &Tile| k == Self::LAST || which.has(tile);
             if tiles.len() >= Self::MANY * team.n_threads() || team.n_threads() == 1 {
                 team.run(tiles.len(), &|tile| {
                     if has(&tiles[tile]) {
