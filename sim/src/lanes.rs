@@ -90,7 +90,7 @@ pub enum Registers {
     Arrays,
     /// Registers of 256 bits.
     Avx2,
-    /// Registers of 512 bits, where a loop has lanes for them; else of 256.
+    /// Registers of 512 bits, where a loop has lanes for them; else twice as many of 256.
     Avx512,
 }
 
@@ -103,7 +103,7 @@ pub fn registers() -> Registers {
             let allowed = std::env::var_os("SCREE_LANES").unwrap_or_default();
             if !std::arch::is_x86_feature_detected!("avx2") || allowed == "plain" {
                 Registers::Arrays
-            } else if !std::arch::is_x86_feature_detected!("avx512f") || allowed == "avx2" {
+            } else if !has_avx512() || allowed == "avx2" {
                 Registers::Avx2
             } else {
                 Registers::Avx512
@@ -113,6 +113,12 @@ pub fn registers() -> Registers {
     }
     #[cfg(not(target_arch = "x86_64"))]
     Registers::Arrays
+}
+
+/// Whether the processor has 32 registers of 512 bits, which may be used as registers of 256.
+#[cfg(target_arch = "x86_64")]
+fn has_avx512() -> bool {
+    std::arch::is_x86_feature_detected!("avx512f") && std::arch::is_x86_feature_detected!("avx512vl")
 }
 
 /// Align the stack of the calling function to cache lines: what lies on the stack is aligned only where something must be, and registers that
@@ -133,9 +139,18 @@ pub fn widest<L: LaneLoop>(lane_loop: L) -> L::Out {
             align_stack();
             lane_loop.run::<Wide<std::arch::x86_64::__m256d>>()
         }
-        if registers() != Registers::Arrays {
+        /// The same with twice as many registers.
+        #[target_feature(enable = "avx512f,avx512vl")]
+        unsafe fn many<L: LaneLoop>(lane_loop: L) -> L::Out {
+            align_stack();
+            lane_loop.run::<Wide<std::arch::x86_64::__m256d>>()
+        }
+        match registers() {
+            // SAFETY: the processor has AVX-512.
+            Registers::Avx512 => return unsafe { many(lane_loop) },
             // SAFETY: the processor has AVX2.
-            return unsafe { wide(lane_loop) };
+            Registers::Avx2 => return unsafe { wide(lane_loop) },
+            Registers::Arrays => {}
         }
     }
     lane_loop.run::<Plain<f64, 4>>()

@@ -13,11 +13,16 @@ fn without_friction_nothing_pulls() {
     assert_eq!(z.x.0, [0.0; 4]);
 }
 
-/// Registers load, compute and store the same bits as arrays.
+/// Registers load, compute and store the same bits as arrays, be there 16 of them or 32.
 #[test]
 fn registers_and_arrays_agree() {
     #[target_feature(enable = "avx2")]
     unsafe fn wide(v: &[DVec3; 4], t: [&Twist; 4], f: &[[f32; 8]; 8], out: &mut Out) -> [[f32; 8]; 8] {
+        double::<Wide<__m256d>>(v, t, out);
+        single::<Wide<__m256>>(f)
+    }
+    #[target_feature(enable = "avx512f,avx512vl")]
+    unsafe fn many(v: &[DVec3; 4], t: [&Twist; 4], f: &[[f32; 8]; 8], out: &mut Out) -> [[f32; 8]; 8] {
         double::<Wide<__m256d>>(v, t, out);
         single::<Wide<__m256>>(f)
     }
@@ -55,6 +60,12 @@ fn registers_and_arrays_agree() {
     double::<Plain<f64, 4>>(&v, t, &mut b);
     assert_eq!(a, b);
     assert_eq!(single_wide, single::<Plain<f32, 8>>(&f));
+    if has_avx512() {
+        let mut c = Out::default();
+        // SAFETY: the processor has AVX-512.
+        let single_many = unsafe { many(&v, t, &f, &mut c) };
+        assert_eq!((c, single_many), (b, single_wide));
+    }
     assert!(a.0.iter().all(|v| v.is_finite()) && a.0 != [DVec3::ZERO; 4] && a.2 != 0 && a.2 != 15);
 }
 
@@ -73,7 +84,7 @@ fn sixteen_lanes_agree() {
     unsafe fn two(f: &Rows) -> Rows {
         sixteen::<Double<Wide<__m256>>>(f)
     }
-    #[target_feature(enable = "avx512f")]
+    #[target_feature(enable = "avx512f,avx512vl")]
     unsafe fn one(f: &Rows) -> Rows {
         sixteen::<Wide<__m512>>(f)
     }
@@ -85,7 +96,7 @@ fn sixteen_lanes_agree() {
         // SAFETY: the processor has AVX2.
         assert_eq!(unsafe { two(&f) }, plain);
     }
-    if std::arch::is_x86_feature_detected!("avx512f") {
+    if has_avx512() {
         // SAFETY: the processor has AVX-512.
         assert_eq!(unsafe { one(&f) }, plain);
     }

@@ -86,7 +86,7 @@ pub trait Grouped<const L: usize>: Real {
     /// Lanes in registers of AVX2.
     #[cfg(target_arch = "x86_64")]
     type Wide: Lanes<Self, L>;
-    /// Lanes in registers of AVX-512, or of AVX2 where there are too few.
+    /// Lanes in registers of AVX-512, or in as many of 256 bits where there are too few.
     #[cfg(target_arch = "x86_64")]
     type Widest: Lanes<Self, L>;
     /// Lanes in arrays.
@@ -138,7 +138,7 @@ pub unsafe fn visit<T: Grouped<L>, const L: usize, G: Group<T, L>, const ACT: u8
             // SAFETY: the caller's promise.
             unsafe { G::visit::<ACT, T::Wide>(groups, motion, omega) }
         }
-        #[target_feature(enable = "avx512f")]
+        #[target_feature(enable = "avx512f,avx512vl")]
         unsafe fn widest<T: Grouped<L>, const L: usize, G: Group<T, L>, const ACT: u8>(
             groups: &mut [G],
             motion: &Cells<Motion<T>>,
@@ -150,9 +150,9 @@ pub unsafe fn visit<T: Grouped<L>, const L: usize, G: Group<T, L>, const ACT: u8
         }
         match crate::lanes::registers() {
             // SAFETY: the processor has AVX-512; the caller's promise.
-            Registers::Avx512 if L > 8 => return unsafe { widest::<T, L, G, ACT>(groups, motion, omega) },
+            Registers::Avx512 => return unsafe { widest::<T, L, G, ACT>(groups, motion, omega) },
             // SAFETY: the processor has AVX2; the caller's promise.
-            Registers::Avx512 | Registers::Avx2 => return unsafe { wide::<T, L, G, ACT>(groups, motion, omega) },
+            Registers::Avx2 => return unsafe { wide::<T, L, G, ACT>(groups, motion, omega) },
             Registers::Arrays => {}
         }
     }
