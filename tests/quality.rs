@@ -2,6 +2,7 @@
 
 use crate::analytic::simulation;
 use crate::cli::{scratch, scree};
+use sim::watch::WarningKind;
 use sim::workload::{self, Convex};
 use sim::{Method, Quality, Simulation, State, checkpoint};
 
@@ -273,5 +274,37 @@ fn the_bench_of_convex_bodies_prints_its_keys() {
         }
         assert_eq!(found["joint_gap_max_m"].is_number(), workload == "grid", "{text}");
         assert_eq!(found["quality"], "draft");
+    }
+}
+
+/// Sweeps that end above the residual's bound with contacts that roll with friction, and sweeps over spheres whose first step is solved by more
+/// iterations of another method.
+#[test]
+fn sweeps_name_the_worst_contact_and_start_by_another_method() {
+    let rolling = "quality: normal
+materials: {m: {density: 2000, friction: 0.5, rolling: 0.002}}
+bodies:
+  - {name: ground, material: m, plane: {normal: [0, 0, 1]}}
+  - {name: h, material: m, hull: {points: [[0.1, 0, -0.05], [-0.1, 0.08, -0.05], [-0.05, -0.1, -0.05], [0, 0, 0.1]]}, position: [0, 0, 0.06]}
+  - {name: c, material: m, cylinder: {radius: 0.1, length: 0.2}, position: [0.01, 0, 0.3]}
+";
+    let mut sim = simulation(rolling);
+    while sim.state.time < 0.3 {
+        sim.step();
+    }
+    let warning = sim.state.watch.warnings.iter().find(|w| w.first.kind == WarningKind::Residual).expect("a warning");
+    assert!(warning.first.message.contains("it is greatest between body"), "{}", warning.first.message);
+
+    let spheres = "solver: {method: gauss_seidel, start_iterations: 100}
+materials: {m: {density: 2000, friction: 0.5}}
+bodies:
+  - {name: ground, material: m, plane: {normal: [0, 0, 1]}}
+  - {name: a, material: m, sphere: {radius: 0.1}, position: [0, 0, 0.1]}
+  - {name: b, material: m, sphere: {radius: 0.1}, position: [0, 0, 0.3]}
+";
+    for text in [spheres.to_string(), spheres.replace("solver: {", "solver: {friction: exact, ")] {
+        let mut sim = simulation(&text);
+        (0..100).for_each(|_| drop(sim.step()));
+        assert!(mean_speed(&sim) < 1e-6, "{} m/s", mean_speed(&sim));
     }
 }

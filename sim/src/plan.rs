@@ -91,6 +91,12 @@ impl StepPlan {
             _ => SWINGS * landing_bound(model, settings),
         };
         let has_forces = !model.loads.is_empty() || has_joints(model);
+        let start = settings.start_iterations.filter(|_| settings.warm_start).map(|iterations| SolverSettings {
+            method: Some(Method::Apgd),
+            iterations: Some(iterations),
+            omega: None,
+            ..settings.clone()
+        });
         StepPlan {
             narrow,
             method,
@@ -98,15 +104,10 @@ impl StepPlan {
             coheres,
             bounces: bounces && !has_sequential_impacts,
             has_sequential_impacts,
-            has_free_column: has_forces || has_sequential_impacts || !(sweeps && has_spheres),
+            has_free_column: has_forces || has_sequential_impacts || start.is_some() || !(sweeps && has_spheres),
             warm_starts: settings.warm_start,
             takeover: can_take_over.then_some(takeover),
-            start: settings.start_iterations.filter(|_| settings.warm_start).map(|iterations| SolverSettings {
-                method: Some(Method::Apgd),
-                iterations: Some(iterations),
-                omega: None,
-                ..settings.clone()
-            }),
+            start,
             settings: settings.clone(),
         }
     }

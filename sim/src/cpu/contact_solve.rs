@@ -107,8 +107,9 @@ pub fn run(
     // Sweeps on packed contacts compute η themselves.
     match method {
         ContactMethod::Sweeps => work.eta.clear(),
-        ContactMethod::Blocks(_) => work.fill_eta(plan, masses, contacts, limits),
+        ContactMethod::Blocks(_) => fill_eta(&mut work.eta, plan, masses, contacts, limits),
     }
+    let mut eta_of_worst = vec![];
     let mut gamma = std::mem::take(&mut work.gamma);
     gamma.clear();
     // Without other blocks γ is the column of contact impulses.
@@ -139,6 +140,10 @@ pub fn run(
     let outcome =
         solve_by(method, &mut op, (model, settings), (&mut gamma, response), (&mut work.iterates, &mut work.sweeps));
     let is_high = outcome.residual > residual_bound(model);
+    if is_high && op.eta.is_empty() {
+        fill_eta(&mut eta_of_worst, plan, masses, op.contacts, limits);
+        op.eta = &eta_of_worst;
+    }
     let worst = is_high.then(|| op.bodies(worst_block(&op, &gamma, response)));
     displacement.twist.clear();
     let period = recovery_period(plan, method);
@@ -293,22 +298,22 @@ impl Workspace {
         }
         true
     }
+}
 
-    /// Fill η of the blocks.
-    fn fill_eta(&mut self, plan: &StepPlan, masses: &Masses, contacts: &Contacts, limits: &[Row]) {
-        let n = contacts.len();
-        let rolls = if plan.rolls { n } else { 0 };
-        self.eta.resize(n + rolls + limits.len(), 0.0);
-        fill_rows(&mut self.eta, |i| {
-            if i < n {
-                3.0 / masses.trace(contacts.bodies[i].map(|b| b as usize), contacts.arms(i))
-            } else if i < n + rolls {
-                let [a, b] = contacts.bodies[i - n].map(|b| masses.inv_inertia(b as usize));
-                let m = a + b;
-                3.0 / (m.x_axis.x + m.y_axis.y + m.z_axis.z)
-            } else {
-                1.0 / masses.response(&limits[i - n - rolls])
-            }
-        });
-    }
+/// Fill η of the blocks.
+fn fill_eta(eta: &mut Vec<f64>, plan: &StepPlan, masses: &Masses, contacts: &Contacts, limits: &[Row]) {
+    let n = contacts.len();
+    let rolls = if plan.rolls { n } else { 0 };
+    eta.resize(n + rolls + limits.len(), 0.0);
+    fill_rows(eta, |i| {
+        if i < n {
+            3.0 / masses.trace(contacts.bodies[i].map(|b| b as usize), contacts.arms(i))
+        } else if i < n + rolls {
+            let [a, b] = contacts.bodies[i - n].map(|b| masses.inv_inertia(b as usize));
+            let m = a + b;
+            3.0 / (m.x_axis.x + m.y_axis.y + m.z_axis.z)
+        } else {
+            1.0 / masses.response(&limits[i - n - rolls])
+        }
+    });
 }

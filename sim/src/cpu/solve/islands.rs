@@ -420,20 +420,37 @@ impl Island {
     fn add_block(&self, front: &mut Front, block: usize, (at, element): (&[u32], &[u32])) {
         let (range, ends) = &self.blocks[block];
         let side = |b: &u32| if ends[0] == Some(*b) { 0 } else { 1 };
-        // Parts of three rows of the bodies, of v and of w, by those of three columns.
-        let mut sum = [[DMat3::ZERO; 4]; 4];
+        // The velocity at a contact is v + X w of each body, with X w = w × r: sums of K, K X, and Xᵀ K X.
+        let sides: [usize; 2] = std::array::from_fn(|p| element.get(p).map_or(0, side));
+        let mut linear = DMat3::ZERO;
+        let mut mixed = [DMat3::ZERO; 2];
+        let mut angular = [[DMat3::ZERO; 2]; 2];
         for c in &self.contacts[range.clone()] {
             let k = c.frame.transpose() * c.step.stiffness * c.frame;
-            let mut of = [DMat3::ZERO; 4];
-            for (p, b) in element.iter().enumerate() {
-                let sign = if side(b) == 0 { -1.0 } else { 1.0 };
-                let arm = c.arms[side(b)];
-                let across = DMat3::from_cols(DVec3::X.cross(arm), DVec3::Y.cross(arm), DVec3::Z.cross(arm));
-                (of[2 * p], of[2 * p + 1]) = (DMat3::from_diagonal(DVec3::splat(sign)), across * sign);
+            linear += k;
+            for q in 0..element.len() {
+                let r = c.arms[sides[q]];
+                let k_x = DMat3::from_cols(
+                    k.z_axis * r.y - k.y_axis * r.z,
+                    k.x_axis * r.z - k.z_axis * r.x,
+                    k.y_axis * r.x - k.x_axis * r.y,
+                );
+                mixed[q] += k_x;
+                for p in q..element.len() {
+                    let cross = |column: DVec3| c.arms[sides[p]].cross(column);
+                    angular[p][q] += DMat3::from_cols(cross(k_x.x_axis), cross(k_x.y_axis), cross(k_x.z_axis));
+                }
             }
-            for q in 0..2 * element.len() {
-                let k_of_q = k * of[q];
-                (q..2 * element.len()).for_each(|p| sum[p][q] += of[p].transpose() * k_of_q);
+        }
+        // Parts of three rows of the bodies, of v and of w, by those of three columns.
+        let mut sum = [[DMat3::ZERO; 4]; 4];
+        for p in 0..element.len() {
+            for q in 0..=p {
+                let sign = if p == q { 1.0 } else { -1.0 };
+                sum[2 * p][2 * q] = linear * sign;
+                sum[2 * p][2 * q + 1] = mixed[q] * sign;
+                sum[2 * p + 1][2 * q] = mixed[p].transpose() * sign;
+                sum[2 * p + 1][2 * q + 1] = angular[p][q] * sign;
             }
         }
         for p in 0..2 * element.len() {

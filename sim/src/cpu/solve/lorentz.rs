@@ -16,7 +16,7 @@ impl Scaling {
         let (dz, ds) = (determinant(z), determinant(s));
         let (z, s) = (z / dz.sqrt(), s / ds.sqrt());
         let half = (0.5 * (1.0 + z.dot(s))).sqrt();
-        Scaling { w: (s + DVec3::new(z.x, -z.y, -z.z)) / (2.0 * half), beta: (ds / dz).powf(0.25) }
+        Scaling { w: (s + DVec3::new(z.x, -z.y, -z.z)) / (2.0 * half), beta: (ds / dz).sqrt().sqrt() }
     }
 
     /// W x.
