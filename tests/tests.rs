@@ -36,6 +36,7 @@ mod movies;
 mod outputs;
 mod overlays;
 mod pages;
+mod passing;
 mod perspective;
 mod pipeline;
 mod plots;

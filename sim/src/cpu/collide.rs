@@ -7,6 +7,7 @@
 mod boxes;
 pub mod convex;
 pub mod manifold;
+mod passing;
 pub mod point;
 pub mod rolling;
 mod round;
@@ -20,6 +21,7 @@ use crate::shape::ShapeKind;
 use convex::Axis;
 use point::{Placed, Points, swap_shapes};
 
+pub use passing::{Way, pass};
 pub use round::spheres as collide_spheres;
 pub use surface::{Triangle, triangle as collide_triangle};
 

@@ -22,8 +22,10 @@
 //! The contact point is the middle between the two surfaces, the same for both bodies, so that impulses keep the angular
 //! momentum of the pair to round-off. Contacts are counted part by part of the tiles, the counts scanned, and the rows written.
 
+use super::collide::convex::Axis;
 use super::collide::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
-use super::collide::{Triangle, collide, collide_triangle, surface_of};
+use super::collide::rolling::is_curved;
+use super::collide::{Triangle, Way, collide, collide_triangle, pass, surface_of};
 use super::contact_rows::{Rows, along};
 use super::pair_write::Pairs;
 use super::recycle::{Last, collide_or_recycle, keeps};
@@ -38,6 +40,8 @@ use crate::rows::{CHUNK, cut, fill_rows};
 use crate::shape::ShapeKind;
 use crate::sphere::Sphere;
 use crate::state::State;
+use crate::twist::Twist;
+use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -349,6 +353,7 @@ fn points(
 ) -> usize {
     let (model, shapes, s, t) = (at.model, [s, t], s as usize, t as usize);
     let reach = (at.margin[s] + at.margin[t]) as f64;
+    let way = &InStep { model, state: at.state, bodies: shapes.map(|s| model.shape_body[s as usize] as usize) };
     if let Some(surface) = surface_of(model, t) {
         collide_triangle(a, &Triangle::of(surface, triangle, b), reach, out)
     } else if let Some(surface) = surface_of(model, s) {
@@ -361,10 +366,35 @@ fn points(
             (pair as u32, shapes),
             (reach, at.model.recycle, at.model.solver.rest_gap),
             last,
+            way,
             (kept, out),
         )
     } else {
-        collide(a, b, reach, out)
+        let n = collide(a, b, reach, out);
+        let is_plane = [a, b].iter().any(|shape| shape.kind == ShapeKind::Plane);
+        if is_plane { n } else { pass([a, b], way, (reach, model.solver.rest_gap), (&mut Axis::default(), n), out) }
+    }
+}
+
+/// The way of two bodies in the step.
+struct InStep<'a> {
+    model: &'a Model,
+    state: &'a State,
+    bodies: [usize; 2],
+}
+
+impl Way for InStep<'_> {
+    fn at(&self, shapes: [&Placed; 2], place: DVec3, normal: DVec3) -> [DVec3; 2] {
+        let InStep { model, state, bodies } = self;
+        let [[a, fall_a], [b, fall_b]] = [0, 1].map(|k| {
+            let (body, centre) = (bodies[k], shapes[k].position);
+            let Twist { v, w } = state.twist(body);
+            let turning =
+                if is_curved(shapes[k].kind) { DVec3::ZERO } else { normal * normal.dot(w.cross(place - centre)) };
+            let fall = if state.moves(body) { model.gravity * model.step } else { DVec3::ZERO };
+            [v + w.cross(centre - state.position[body]) + turning, fall]
+        });
+        [(b - a) * model.step, (b - a + fall_b - fall_a) * model.step]
     }
 }
 

@@ -8,11 +8,11 @@
 //! and pairs without any are kept as well: what falls side by side is not collided again in every step either.
 
 use super::by_shape::ByShape;
-use super::collide::collide_along;
 use super::collide::convex::{Axis, separation};
 use super::collide::manifold::{OF_SECOND, is_nearest};
 use super::collide::point::{Placed, Point, Points};
 use super::collide::rolling::{has_face, held, is_curved, rolled};
+use super::collide::{Way, collide_along, pass};
 use crate::manifolds::{Kept, KeptPoint, Manifolds, PartManifolds};
 use crate::shape::ShapeKind;
 use glam::DVec3;
@@ -73,12 +73,14 @@ impl<'a> Last<'a> {
 }
 
 /// Find the contact points of two convex shapes with a gap of at most `reach`, m, and keep their manifold: those of `last` carried along,
-/// or new ones once the shapes have moved against each other by more than `slack`, m. Gaps up to `rest_gap`, m, carry. Returns their count.
+/// or new ones once the shapes have moved against each other by more than `slack`, m. Gaps up to `rest_gap`, m, carry. `way` is that of the step.
+/// Returns their count.
 pub fn collide_or_recycle(
     [a, b]: [&Placed; 2],
     (pair, shapes): (u32, [u32; 2]),
     (reach, slack, rest_gap): (f64, f64, f64),
     last: Option<(&Kept, &[KeptPoint])>,
+    way: &impl Way,
     (kept, out): (&mut PartManifolds, &mut Points),
 ) -> usize {
     if a.position.distance(b.position) > a.extent + b.extent + reach {
@@ -119,6 +121,7 @@ pub fn collide_or_recycle(
     }
     let farther = reach * (1.0 + FARTHER);
     let n = collide_along(a, b, farther, &mut axis, out);
+    let n = pass([a, b], way, (farther, rest_gap), (&mut axis, n), out);
     let face = face_of([a, b], &out[..n]);
     let mut least = farther;
     for p in &out[..n] {
@@ -200,6 +203,15 @@ mod tests {
     use crate::pose::Pose;
     use glam::DQuat;
 
+    /// The way of shapes that do not move.
+    struct Still;
+
+    impl Way for Still {
+        fn at(&self, _: [&Placed; 2], _: DVec3, _: DVec3) -> [DVec3; 2] {
+            [DVec3::ZERO; 2]
+        }
+    }
+
     /// Least gap of the points of a manifold.
     fn least(points: &[Point]) -> f64 {
         points.iter().map(|p| p.gap).fold(f64::INFINITY, f64::min)
@@ -223,7 +235,7 @@ mod tests {
             let slack = 1e-3;
             let find = |b: &Placed, last: Option<(&Kept, &[KeptPoint])>, kept: &mut PartManifolds| {
                 let mut out = Points::default();
-                let n = collide_or_recycle([&a, b], (0, [0, 1]), (0.2, slack, 0.0), last, (kept, &mut out));
+                let n = collide_or_recycle([&a, b], (0, [0, 1]), (0.2, slack, 0.0), last, &Still, (kept, &mut out));
                 out[..n].to_vec()
             };
             let mut first = PartManifolds::default();
@@ -286,7 +298,7 @@ mod tests {
                 let find = |b: &Placed, last: Option<(&Kept, &[KeptPoint])>, kept: &mut PartManifolds| {
                     let mut out = Points::default();
                     let both = if is_second { [&floor, b] } else { [b, &floor] };
-                    let n = collide_or_recycle(both, (0, [0, 1]), (0.01, 2e-3, 0.0), last, (kept, &mut out));
+                    let n = collide_or_recycle(both, (0, [0, 1]), (0.01, 2e-3, 0.0), last, &Still, (kept, &mut out));
                     out[..n].to_vec()
                 };
                 let [mut first, mut second] = [PartManifolds::default(), PartManifolds::default()];
@@ -319,7 +331,7 @@ mod tests {
             let [mut first, mut second] = [PartManifolds::default(), PartManifolds::default()];
             let at = DVec3::new(0.4 + gap, 0.0, 0.0);
             let mut find = |b: &Placed, last: Option<(&Kept, &[KeptPoint])>, kept: &mut PartManifolds| {
-                collide_or_recycle([&a, b], (0, [0, 1]), (0.01, 1e-3, 1e-3), last, (kept, &mut out))
+                collide_or_recycle([&a, b], (0, [0, 1]), (0.01, 1e-3, 1e-3), last, &Still, (kept, &mut out))
             };
             assert_eq!(find(&place(at, across), None, &mut first), 1);
             let last = first.kept.first().map(|kept| (kept, &first.points[..]));

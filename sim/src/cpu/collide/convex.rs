@@ -334,6 +334,22 @@ pub fn separation(a: &impl Convex, b: &impl Convex, direction: DVec3) -> f64 {
 /// The nearest points of two shapes; `None` if their gap is above `reach`, m, with `axis` along which it is. The search begins with the
 /// corners of `axis`, or along it, which becomes the normal.
 pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64, axis: &mut Axis) -> Option<Nearest> {
+    match search(a, b, reach, axis) {
+        Ok(nearest) => nearest,
+        Err(Overlap { vertices, .. }) => overlapping(a, b, vertices, reach, axis),
+    }
+}
+
+/// Two shapes that overlap, or that round-off does not tell from such.
+pub struct Overlap {
+    /// The vertices of a simplex around the origin.
+    vertices: Vec<Vertex>,
+    /// The nearest points where they may be apart.
+    pub near: Option<Nearest>,
+}
+
+/// [`nearest`] of shapes that do not overlap.
+pub fn search(a: &impl Convex, b: &impl Convex, reach: f64, axis: &mut Axis) -> Result<Option<Nearest>, Overlap> {
     const ROUNDS: usize = 80;
     /// Distance over the scale of the shapes up to which the direction is checked.
     const NEAR: f64 = 1e-3;
@@ -353,7 +369,7 @@ pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64, axis: &mut Axis) ->
     for _ in 0..ROUNDS {
         let distance2 = v.length_squared();
         if distance2 <= 1e-20 * scale * scale {
-            return overlapping(a, b, simplex.vertices(), reach, axis);
+            return Err(Overlap { vertices: simplex.vertices(), near: None });
         }
         let next = vertex(a, b, -v);
         // v·w bounds the distance from below.
@@ -361,7 +377,7 @@ pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64, axis: &mut Axis) ->
         if lower > 0.0 && lower * lower > distance2 * (round + reach).powi(2) {
             let distance = distance2.sqrt();
             *axis = Axis { direction: -v / distance, apart: lower / distance - round, corners: simplex.corners() };
-            return None;
+            return Ok(None);
         }
         if distance2 - lower <= 1e-12 * distance2 {
             break;
@@ -373,7 +389,7 @@ pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64, axis: &mut Axis) ->
         let Some(part) = part else {
             let mut around = simplex.vertices();
             around.push(next);
-            return overlapping(a, b, around, reach, axis);
+            return Err(Overlap { vertices: around, near: None });
         };
         let nearer = part.sum(&simplex.v, |v| v.w);
         if nearer.length_squared() < distance2 {
@@ -396,19 +412,20 @@ pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64, axis: &mut Axis) ->
     }
     let distance = v.length();
     let normal = -v / distance;
-    // Where the shapes nearly touch, round-off may be all of the direction; the shapes are then less far apart along it.
-    let is_near = distance < if is_early { 10.0 * NEAR } else { NEAR } * scale;
-    if is_near && distance + vertex(a, b, normal).w.dot(normal) > 1e-7 * scale {
-        return overlapping(a, b, simplex.vertices(), reach, axis);
-    }
     let gap = distance - round;
-    *axis = Axis { direction: normal, apart: gap, corners: simplex.corners() };
-    (gap <= reach).then(|| Nearest {
+    let nearest = Nearest {
         normal,
         on_first: simplex.part.sum(&simplex.v, |v| v.a) + normal * a.radius(),
         on_second: simplex.part.sum(&simplex.v, |v| v.b) - normal * b.radius(),
         gap,
-    })
+    };
+    // Where the shapes nearly touch, round-off may be all of the direction; the shapes are then less far apart along it.
+    let is_near = distance < if is_early { 10.0 * NEAR } else { NEAR } * scale;
+    if is_near && distance + vertex(a, b, normal).w.dot(normal) > 1e-7 * scale {
+        return Err(Overlap { vertices: simplex.vertices(), near: Some(nearest) });
+    }
+    *axis = Axis { direction: normal, apart: gap, corners: simplex.corners() };
+    Ok((gap <= reach).then_some(nearest))
 }
 
 /// The nearest points of two shapes that overlap, of the vertices of a simplex that contains the origin. What a search from known corners

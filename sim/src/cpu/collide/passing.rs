@@ -1,0 +1,169 @@
+//! Shapes that pass each other within a step. What is nearest at its start is not what they will meet: a block that slides from slab to slab has
+//! the next one's edge before it, and one that falls past a ledge the ledge's corner below it. A contact there would stop what moves on
+//! freely. Where the way of the step keeps two shapes apart along some other axis, they have that one.
+
+use super::convex::{Axis, Convex, Overlap, search, separation};
+use super::manifold::{OF_SECOND, feature, feature_id, is_end};
+use super::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
+use super::rolling::has_face;
+use crate::ShapeKind;
+use crate::manifolds::Corner;
+use glam::{DMat3, DVec3};
+
+/// Overlap, over the least half length, up to which shapes pass each other: those that rest or slide overlap by less.
+const GRAZING: f64 = 2e-3;
+
+/// What shapes come too near by on their way, over that overlap, from which on another axis is looked for.
+const CLOSING: f64 = 1e-3;
+
+/// Cosine of the angle from which on two axes are the same.
+const SAME: f64 = 1.0 - 1e-6;
+
+/// All places of a shape on its way, without turning; the shape is somewhat smaller.
+struct Swept<'a> {
+    shape: &'a Placed<'a>,
+    way: DVec3,
+    scale: f64,
+}
+
+impl Convex for Swept<'_> {
+    fn support(&self, direction: DVec3) -> (DVec3, Corner) {
+        let centre = self.shape.position;
+        let point = centre + (self.shape.support(direction).0 - centre) * self.scale;
+        (if direction.dot(self.way) > 0.0 { point + self.way } else { point }, 0)
+    }
+
+    fn corner(&self, _: Corner) -> Option<DVec3> {
+        None
+    }
+
+    fn centre(&self) -> DVec3 {
+        self.shape.position + self.way * 0.5
+    }
+
+    fn radius(&self) -> f64 {
+        self.shape.radius() * self.scale
+    }
+}
+
+/// The way of the second of two shapes against the first in a step.
+pub trait Way {
+    /// As they move now, and with what gravity adds, m, at a place with a normal. Turning counts along the normal, and not of curved shapes, as
+    /// those that roll.
+    fn at(&self, shapes: [&Placed; 2], place: DVec3, normal: DVec3) -> [DVec3; 2];
+}
+
+/// Replace the `n` points of two convex shapes by those along the axis that keeps them apart on their way, if there is one. Points have a gap of
+/// at most `reach`, m; shapes come to rest at a gap of `rest_gap`, m. Returns their count, and leaves the axis in `axis`.
+pub fn pass(
+    [a, b]: [&Placed; 2],
+    way: &impl Way,
+    (reach, rest_gap): (f64, f64),
+    (axis, n): (&mut Axis, usize),
+    out: &mut Points,
+) -> usize {
+    let size = a.size.min_element().min(b.size.min_element());
+    let grazing = GRAZING * size;
+    if out[..n].iter().any(|p| p.gap < -grazing) {
+        return n;
+    }
+    // What comes too near as it moves now; else as it falls.
+    let mut worst = [(CLOSING * grazing, DVec3::ZERO, DVec3::ZERO); 2];
+    for p in &out[..n] {
+        for (worst, way) in worst.iter_mut().zip(way.at([a, b], 0.5 * (p.on_first + p.on_second), p.normal)) {
+            let too_near = -way.dot(p.normal) - (p.gap - rest_gap).max(0.0);
+            if too_near > worst.0 {
+                *worst = (too_near, way, p.normal);
+            }
+        }
+    }
+    let Some((_, way, normal)) = worst.into_iter().find(|(_, way, _)| *way != DVec3::ZERO) else { return n };
+    let found = match (a.kind, b.kind) {
+        (ShapeKind::Box, ShapeKind::Box) => box_axis([a, b], way),
+        _ => any_axis([a, b], way),
+    };
+    let Some(apart) = found.filter(|axis| axis.dot(normal) <= SAME) else { return n };
+    let gap = separation(a, b, apart);
+    *axis = Axis { direction: apart, apart: gap, ..Axis::default() };
+    if gap > reach {
+        return 0;
+    }
+    if has_face(a, a.local(apart)) {
+        return over([a, b], apart, reach, out);
+    }
+    let n = over([b, a], -apart, reach, out);
+    swap_shapes(out, n);
+    out[..n].iter_mut().for_each(|p| p.feature |= OF_SECOND);
+    n
+}
+
+/// The axis, unit, across a face of one of two shapes, that keeps them apart on their way, if there is one.
+fn any_axis([a, b]: [&Placed; 2], way: DVec3) -> Option<DVec3> {
+    let swept = Swept { shape: b, way, scale: 1.0 - GRAZING };
+    let near = match search(a, &swept, f64::INFINITY, &mut Axis::default()) {
+        Ok(near) => near,
+        Err(Overlap { near, .. }) => near,
+    };
+    let normal = near?.normal;
+    let faces = [face_near(a, normal), face_near(b, -normal).map(|face| -face)];
+    faces.into_iter().flatten().find(|face| separation(a, &swept, *face) > 0.0)
+}
+
+/// The unit normal of the face of a shape that looks along a direction most, world; none of curved sides.
+fn face_near(shape: &Placed, direction: DVec3) -> Option<DVec3> {
+    let d = shape.local(direction);
+    let face = match shape.kind {
+        ShapeKind::Box => {
+            let axis = (0..3).max_by(|i, j| d[*i].abs().total_cmp(&d[*j].abs()))?;
+            DVec3::AXES[axis] * 1.0f64.copysign(d[axis])
+        }
+        ShapeKind::Hull => shape.hull?.normal_facing(d),
+        ShapeKind::Cylinder if is_end(shape.kind, d) => DVec3::Z * 1.0f64.copysign(d.z),
+        ShapeKind::Cone if is_end(shape.kind, d) => -DVec3::Z,
+        _ => return None,
+    };
+    Some(shape.rotation * face)
+}
+
+/// [`any_axis`] of two boxes, across one of their faces.
+fn box_axis([a, b]: [&Placed; 2], way: DVec3) -> Option<DVec3> {
+    let into_a = a.rotation.transpose();
+    let turned = into_a * b.rotation;
+    let size = b.size * (1.0 - GRAZING);
+    let abs = |m: DMat3| DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
+    let reach_a = a.size + abs(turned) * size;
+    let reach_b = size + abs(turned.transpose()) * a.size;
+    let (between, middle) = (b.position - a.position, into_a * (b.position - a.position));
+    let into_b = b.rotation.transpose();
+    let ways = [into_a * way, into_b * way];
+    let middles = [middle, into_b * between];
+    let mut best = (0.0, DVec3::ZERO);
+    for (side, (reach, rotation)) in [(reach_a, &a.rotation), (reach_b, &b.rotation)].into_iter().enumerate() {
+        for k in 0..3 {
+            let (at, way) = (middles[side][k], ways[side][k]);
+            let sign = 1.0f64.copysign(at);
+            // The nearer of the start and the end.
+            let apart = at.abs() + (sign * way).min(0.0) - reach[k];
+            if apart > best.0 {
+                best = (apart, rotation.col(k) * sign);
+            }
+        }
+    }
+    (best.0 > 0.0).then_some(best.1)
+}
+
+/// The points of a shape over the plane across a direction that touches another one, which goes on as far as the way does: the corners that face
+/// it. Returns their count.
+fn over([of, other]: [&Placed; 2], normal: DVec3, reach: f64, out: &mut Points) -> usize {
+    let height = of.support(normal).0.dot(normal) + of.radius();
+    let mut n = 0;
+    for (corner, id) in feature(other, -normal).corners() {
+        let gap = corner.dot(normal) - height;
+        if gap <= reach && n < MAX_POINTS {
+            let on_first = *corner - normal * gap;
+            out[n] = Point { normal, on_first, on_second: *corner, gap, feature: feature_id(*id) };
+            n += 1;
+        }
+    }
+    n
+}
