@@ -41,6 +41,7 @@ fn as_json(program: Program) -> serde_json::Value {
     let parameters = bound.program.params.iter().map(|p| {
         let default = match bound.parameter(&p.name) {
             Some(Answer::Text(text)) => serde_json::json!(text),
+            Some(Answer::Texts(texts)) => serde_json::json!(texts),
             Some(Answer::Numbers(v)) if v.len() == 1 => serde_json::json!(v[0]),
             Some(Answer::Numbers(v)) => serde_json::json!(v),
             None => serde_json::Value::Null,
@@ -62,6 +63,10 @@ fn print(program: Program) {
         let array = p.array.map_or(String::new(), |n| format!("[{n}]"));
         let value = match bound.parameter(&p.name) {
             Some(Answer::Text(text)) => format!("{text:?}"),
+            Some(Answer::Texts(texts)) => {
+                let each: Vec<String> = texts.iter().map(|text| format!("{text:?}")).collect();
+                format!("{{{}}}", each.join(", "))
+            }
             Some(Answer::Numbers(v)) => {
                 let each: Vec<String> = v.chunks(p.kind.width()).map(tuple).collect();
                 if p.array.is_some() { format!("{{{}}}", each.join(", ")) } else { each.concat() }

@@ -2,6 +2,7 @@
 
 use crate::cli::{scratch, scree};
 use crate::devices::has_adapter;
+use crate::rendering::ON_DEVICE;
 
 const CAMERA: &str =
     "Format 96 72 1 PixelSamples 4 4 PixelFilter \"gaussian\" 2 2 Projection \"perspective\" \"fov\" 45
@@ -74,4 +75,37 @@ fn the_benchmark_compares_both_back_ends() {
     let part = |key: &str| json[key].as_f64().unwrap_or_else(|| panic!("{json}"));
     assert!(part("ids_equal_fraction") >= 0.9999 && part("pixels_within_2_fraction") >= 0.999, "{json}");
     assert!(json["backend"] == "gpu" && json["adapter"].is_string(), "{json}");
+}
+
+/// What is known on paper is so on a device: tests of images, run again by themselves.
+#[test]
+fn images_known_on_paper_are_right_on_a_device() {
+    if !has_adapter() {
+        return;
+    }
+    let names = [
+        "rendering::a_sphere_is_lit_by_lamberts_law",
+        "rendering::a_disc_covers_its_area_and_has_no_facets",
+        "rendering::a_half_plane_covers_half_through_every_filter",
+        "rendering::half_transparent_layers_multiply",
+        "rendering::perspective_puts_points_where_they_belong",
+        "rendering::no_background_shows_between_grids",
+        "blur::a_moving_edge_is_a_ramp",
+        "blur::a_shutter_sees_its_part_of_many_segments",
+        "blur::everything_that_can_move_covers_its_mean_area",
+        "blur::a_point_out_of_focus_is_a_circle_of_confusion",
+        "blur::blur_opens_no_holes",
+        "light::the_sun_has_a_penumbra_as_wide_as_its_disc",
+        "light::light_through_two_panes_is_the_product",
+        "sky::in_the_open_a_plane_gets_what_its_tilt_lets_it",
+        "sky::a_sphere_hides_its_form_factor_of_the_sky",
+        "sky::facets_hide_what_is_behind_them_and_nothing_else",
+        "sky::the_sky_and_the_suns_light_agree",
+        "horizon::fine_textures_fade_to_their_mean",
+        "horizon::textures_seen_askew_fade_to_their_mean",
+    ];
+    let own = std::env::current_exe().unwrap();
+    let answer = std::process::Command::new(own).arg("--exact").args(names).env(ON_DEVICE, "1").output().unwrap();
+    let said = String::from_utf8_lossy(&answer.stdout);
+    assert!(answer.status.success() && said.contains(&format!("{} passed", names.len())), "{said}");
 }

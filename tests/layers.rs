@@ -485,40 +485,6 @@ fn points_are_one_layer() {
 }
 
 /// What is half open hides half of the sky.
-/// A ray of `occlusion` asks a surface how opaque it is, not what colour it has: a shader that calls `occlusion` for its colour sends no more rays for
-/// that, and one whose opacity depends on it as many as `maxdiffusedepth` allows.
-#[test]
-fn occlusion_of_shaders_that_call_it_sends_no_more_rays() {
-    let work = scratch();
-    let at = |name: &str| work.path().join(name).to_str().unwrap().to_string();
-    let draw = |body: &str, options: &str| {
-        std::fs::write(at("oc.sl"), format!("surface oc() {{ {body} }}")).unwrap();
-        let panes =
-            "Polygon \"P\" [-3 -3 2 3 -3 2 3 3 2 -3 3 2] Polygon \"P\" [-0.4 -0.4 1 0.4 -0.4 1 0.4 0.4 1 -0.4 0.4 1]";
-        let rib = format!(
-            "Display \"t.exr\" \"exr\" \"rgba\" Format 4 4 1 PixelSamples 2 2 PixelFilter \"box\" 1 1 {options} WorldBegin
-            Surface \"oc\" {panes} WorldEnd"
-        );
-        std::fs::write(at("t.rib"), rib).unwrap();
-        scree(&["render", &at("t.rib"), "--stats", "-o", &at("")]).ok();
-        let stats = std::fs::read(at("t.exr.stats.json")).unwrap();
-        let stats = serde_json::from_slice::<serde_json::Value>(&stats).unwrap();
-        let count = |name: &str| stats["stats"][name].as_u64().unwrap();
-        [count("shaded_points"), count("occlusion_rays"), count("opacity_runs")]
-    };
-    let occlusion = "occlusion(P, faceforward(normalize(N), I), 64)";
-    for body in [format!("Oi = 1; Ci = {occlusion};"), format!("Oi = 1 - 0.25 * {occlusion}; Ci = Oi;")] {
-        let [points, rays, runs] = draw(&body, "");
-        assert_eq!(rays, 64 * points, "{body}");
-        assert!(0 < runs && runs <= 2 * rays, "{runs} of {rays}: {body}");
-    }
-    let deep = "Option \"trace\" \"int maxdiffusedepth\" [2]";
-    let [points, rays, _] = draw(&format!("Oi = 1; Ci = {occlusion};"), deep);
-    assert_eq!(rays, 64 * points);
-    let [points, rays, _] = draw(&format!("Oi = 1 - 0.25 * {occlusion}; Ci = Oi;"), deep);
-    assert!(rays > 64 * points);
-}
-
 #[test]
 fn occlusion_counts_what_is_translucent_by_its_opacity() {
     let shader = b"surface sky() { Oi = 1; Ci = occlusion(P, normal(0, 0, -1), 64); }";

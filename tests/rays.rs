@@ -1,5 +1,6 @@
 //! Shaders that send rays, look up maps or work on pixels, against answers known on paper.
 
+use crate::cli::{scratch, scree};
 use crate::rendering::{ORTHO, Rendered, render_with};
 
 /// Every pixel that is covered has a colour, within a tolerance.
@@ -378,4 +379,42 @@ fn of_surfaces_in_one_plane_rays_meet_the_first() {
             assert!(last.pixels[k][0] < 0.001, "{turn}: pixel {k} {:?}", last.pixels[k]);
         }
     }
+}
+
+/// A ray of `occlusion` asks a surface how opaque it is, not what colour it has: a shader that calls `occlusion` for its colour sends no more rays for
+/// that, and one whose opacity depends on it as many as `maxdiffusedepth` allows.
+#[test]
+fn occlusion_of_shaders_that_call_it_sends_no_more_rays() {
+    let work = scratch();
+    let at = |name: &str| work.path().join(name).to_str().unwrap().to_string();
+    let draw = |body: &str, options: &str| {
+        std::fs::write(at("oc.sl"), format!("surface oc() {{ {body} }}")).unwrap();
+        let panes =
+            "Polygon \"P\" [-3 -3 2 3 -3 2 3 3 2 -3 3 2] Polygon \"P\" [-0.4 -0.4 1 0.4 -0.4 1 0.4 0.4 1 -0.4 0.4 1]";
+        let rib = format!(
+            "Display \"t.exr\" \"exr\" \"rgba\" Format 4 4 1 PixelSamples 2 2 PixelFilter \"box\" 1 1 {options} WorldBegin
+            Surface \"oc\" {panes} WorldEnd"
+        );
+        std::fs::write(at("t.rib"), rib).unwrap();
+        scree(&["render", &at("t.rib"), "--stats", "-o", &at("")]).ok();
+        let stats = std::fs::read(at("t.exr.stats.json")).unwrap();
+        let stats = serde_json::from_slice::<serde_json::Value>(&stats).unwrap();
+        let count = |name: &str| stats["stats"][name].as_u64().unwrap();
+        [count("shaded_points"), count("occlusion_rays"), count("opacity_runs")]
+    };
+    let occlusion = "occlusion(P, faceforward(normalize(N), I), 64)";
+    // What is opaque whatever is in its way is asked nothing.
+    let body = format!("Oi = 1; Ci = {occlusion};");
+    let [points, rays, runs] = draw(&body, "");
+    assert_eq!((rays, runs), (64 * points, 0), "{body}");
+    for body in [format!("Oi = 0.9; Ci = {occlusion};"), format!("Oi = 1 - 0.25 * {occlusion}; Ci = Oi;")] {
+        let [points, rays, runs] = draw(&body, "");
+        assert_eq!(rays, 64 * points, "{body}");
+        assert!(0 < runs && runs <= 2 * rays, "{runs} of {rays}: {body}");
+    }
+    let deep = "Option \"trace\" \"int maxdiffusedepth\" [2]";
+    let [points, rays, _] = draw(&format!("Oi = 0.9; Ci = {occlusion};"), deep);
+    assert_eq!(rays, 64 * points);
+    let [points, rays, _] = draw(&format!("Oi = 1 - 0.25 * {occlusion}; Ci = Oi;"), deep);
+    assert!(rays > 64 * points);
 }

@@ -5,6 +5,9 @@ use crate::golden;
 use glam::DVec3;
 use std::path::Path;
 
+/// Where this variable of the environment is set, images are drawn on the first graphics adapter.
+pub const ON_DEVICE: &str = "IMAGES_OF_A_DEVICE";
+
 /// A rendered image: floats, red green blue coverage.
 pub struct Rendered {
     pub width: usize,
@@ -35,7 +38,12 @@ pub fn render_with(files: &[(&str, &[u8])], options: &str, world: &str) -> Rende
     let path = work.path().join("t.rib");
     let text = format!("Display \"t.exr\" \"exr\" \"rgba\"\n{options}\nWorldBegin\n{world}\nWorldEnd\n");
     std::fs::write(&path, text).unwrap();
-    scree(&["render", path.to_str().unwrap(), "-o", work.path().to_str().unwrap()]).ok();
+    let own = ["render", path.to_str().unwrap(), "-o", work.path().to_str().unwrap()];
+    let device: &[&str] =
+        if std::env::var_os(ON_DEVICE).is_some() { &["--backend", "gpu", "--adapter", "0"] } else { &[] };
+    let answer = scree(&[&own[..], device].concat());
+    assert!(device.is_empty() || !answer.errors().contains("the processor has drawn"), "{}", answer.errors());
+    answer.ok();
     let image = image::open(work.path().join("t.exr")).unwrap().to_rgba32f();
     let width = image.width() as usize;
     Rendered { width, pixels: image.pixels().map(|p| p.0).collect() }

@@ -7,6 +7,8 @@ mod caps;
 mod flight;
 #[path = "backends/layers.rs"]
 mod layers;
+#[path = "backends/shaders.rs"]
+mod shaders;
 #[path = "backends/sides.rs"]
 mod sides;
 #[path = "backends/table.rs"]

@@ -62,6 +62,7 @@ impl Context {
         for param in &params {
             let answer = match &param.values {
                 Values::Floats(v) => Answer::Numbers(v.clone()),
+                Values::Strings(v) if v.len() > 1 => Answer::Texts(v.clone()),
                 Values::Strings(v) => Answer::Text(v.first().cloned().unwrap_or_default()),
             };
             let key = format!("{name}:{}", param.decl.name);

@@ -302,6 +302,7 @@ impl Context {
             }
             let answer = match param.values {
                 Values::Floats(v) => Answer::Numbers(v),
+                Values::Strings(v) if v.len() > 1 => Answer::Texts(v),
                 Values::Strings(v) => Answer::Text(v.first().cloned().unwrap_or_default()),
             };
             for key in [format!("{name}:{}", param.decl.name), param.decl.name.clone()] {

@@ -105,7 +105,7 @@ impl Context {
                     if v.is_empty() || v.len() > n {
                         return Err(Fail::new(format!("parameter `{name}` has {} strings, expected {n}", v.len())));
                     }
-                    texts.push((i, v[0].clone()))
+                    texts.push((i, v))
                 }
                 Values::Floats(v) if wanted != Kind::Text => {
                     let array = program.params[i].array;
@@ -121,7 +121,7 @@ impl Context {
         }
         if self.dry {
             // Maps are looked up when the image is rendered.
-            let names = program.texts().into_iter().chain(texts.iter().map(|(_, text)| text.clone()));
+            let names = program.texts().into_iter().chain(texts.iter().flat_map(|(_, texts)| texts.clone()));
             names.for_each(|name| texture::note(&name, &self.made, &self.files.folders));
         }
         let scene = BindScene { context: self, stopped: OnceCell::new() };

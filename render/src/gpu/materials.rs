@@ -66,8 +66,9 @@ impl<'a> Materials<'a> {
             items.iter().copied().filter(|item| known.insert(programs_of(frame.scene.attributes(*item)))).collect();
         let written: Vec<_> = first.par_iter().map(|item| self.write(frame, *item, &frame.scene.view(*item))).collect();
         for (item, kernels) in first.into_iter().zip(written) {
-            if self.known(frame.scene.attributes(item)).is_none() {
-                self.push(frame.scene.attributes(item), kernels?)?;
+            let view = frame.scene.view(item);
+            if self.known(frame, item, &view).is_none() {
+                self.push(view.attributes, kernels?)?;
             }
         }
         for item in items {
@@ -104,15 +105,19 @@ impl<'a> Materials<'a> {
 
     /// The index of the material of an item of a view.
     fn of_view(&mut self, frame: &Frame<'_>, item: Item, view: &ItemView<'_>) -> Result<usize, Refusal> {
-        match self.known(view.attributes) {
+        match self.known(frame, item, view) {
             Some(k) => Ok(k),
             None => self.push(view.attributes, self.write(frame, item, view)?),
         }
     }
 
-    /// The index of the material of some attributes, if it is there.
-    fn known(&self, a: &Attributes) -> Option<usize> {
-        self.all.iter().position(|material| material.is_of(a))
+    /// The index of the material of an item of a view, if it is there. Kernels are for the strings that the scene answers with, too.
+    fn known(&self, frame: &Frame<'_>, item: Item, view: &ItemView<'_>) -> Option<usize> {
+        let scene = View::new(frame.scene, &frame.rays, item, view, [0.0; 2]);
+        self.all.iter().position(|material| {
+            let mut kernels = [Some(&material.kernel), material.through.as_ref()].into_iter().flatten();
+            material.is_of(view.attributes) && kernels.all(|kernel| kernel.is_answered_by(&scene))
+        })
     }
 
     /// Write the kernels of an item of a view: that of its surface, and that of its atmosphere.

@@ -273,13 +273,23 @@ impl Attributes {
 
     /// Whether it is opaque and no shader makes it less, nor the time.
     pub fn stays_opaque(&self) -> bool {
-        self.opacity == [1.0; 3] && self.keeps_opacity()
+        let is_opaque = self.surface.program.is_opaque && !self.fades() && self.atmosphere_keeps_opacity();
+        is_opaque || self.opacity == [1.0; 3] && self.keeps_opacity()
     }
 
     /// Whether no shader changes its opacity, nor the time.
     pub fn keeps_opacity(&self) -> bool {
-        let kept = |shader: &BoundShader| shader.program.keeps_opacity;
-        !self.fades() && kept(&self.surface) && self.atmosphere.as_deref().is_none_or(kept)
+        !self.fades() && self.surface_keeps_opacity() && self.atmosphere_keeps_opacity()
+    }
+
+    /// Whether the surface shader leaves the opacity as it is.
+    pub fn surface_keeps_opacity(&self) -> bool {
+        let program = &self.surface.program;
+        program.keeps_opacity || program.is_opaque && self.opacity == [1.0; 3]
+    }
+
+    fn atmosphere_keeps_opacity(&self) -> bool {
+        self.atmosphere.as_deref().is_none_or(|shader| shader.program.keeps_opacity)
     }
 
     /// Whether the colour of a point depends on the points beside it.

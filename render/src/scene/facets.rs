@@ -112,6 +112,10 @@ fn on_edge(q: [Vec3; 4], k: usize, n: usize) -> Vec3 {
     if k == 0 || k == n {
         return q[3 * k / n];
     }
+    // A pole is one point, and not several beside it as rounding has them: between these were needles, of any direction.
+    if q.iter().all(|p| *p == q[0]) {
+        return q[0];
+    }
     let b = bernstein(k as f32 / n as f32);
     q[0] * b[0] + q[1] * b[1] + q[2] * b[2] + q[3] * b[3]
 }
@@ -253,6 +257,22 @@ mod tests {
         let n = Cut::of(&one).edges[3].expect("a bent edge");
         assert!(n > 1 && Cut::of(&one).n[1] > n, "{n} of {:?}", Cut::of(&one).n);
         assert_eq!(shared, n + 1);
+    }
+
+    /// About a pole are triangles of the surface alone, and no needles between what rounding makes of it.
+    #[test]
+    fn a_pole_is_one_point() {
+        let arc = [Vec3::X, Vec3::new(1.0, 0.55, 0.0), Vec3::new(0.55, 1.0, 0.0), Vec3::Y];
+        let middle = Vec3::new(0.1, 0.2, 1.5);
+        let p = std::array::from_fn(|k| middle + arc[k % 4] * (1.0 - (k / 4) as f32 / 3.0));
+        let disk = Patch::smooth(p, [0.0, 1.0], [0.0, 1.0]);
+        let cut = Cut::of(&disk);
+        assert!(cut.n[0] > 6, "{:?}", cut.n);
+        let at_pole: Vec<Vec3> = quads_of(&disk, cut, Mat4::IDENTITY)
+            .skip(cut.n[0] * (cut.n[1] - 1))
+            .flat_map(|[_, _, c, d]| [c, d])
+            .collect();
+        assert!(at_pole.len() == 2 * cut.n[0] && at_pole.iter().all(|p| *p == middle), "{at_pole:?}");
     }
 
     /// Rays through the edges and corners of a fan of triangles, from near and far: none gets through.

@@ -135,13 +135,14 @@ impl Source {
     /// Whether no light gets through its primitives.
     pub fn blocks_light(&self) -> bool {
         let a = &self.attributes;
-        a.whole_shadows || a.opacity == [1.0; 3] && self.shadow_is_known()
+        let is_opaque = a.surface.program.is_opaque && !a.shadows_of_opacity;
+        a.whole_shadows || is_opaque || a.opacity == [1.0; 3] && self.shadow_is_known()
     }
 
     /// Whether the attributes say how much light gets through it, without its variables and its shader.
     pub fn shadow_is_known(&self) -> bool {
         let a = &self.attributes;
-        a.shadows_of_opacity || a.surface.program.keeps_opacity && self.attached.iter().all(|a| a.opacity.is_none())
+        a.shadows_of_opacity || a.surface_keeps_opacity() && self.attached.iter().all(|a| a.opacity.is_none())
     }
 
     /// How many primitives an item stands for.

@@ -27,11 +27,23 @@ pub(in crate::back) fn known_as<'a>(own: Option<&'a str>, name: &'a str) -> &'a 
 
 impl BoundShader {
     /// Bind values to some of a program's parameters, by slot (the index in [`Program::params`]). Of several values for one slot
-    /// the first counts; parameters without a value are computed whenever the shader runs.
-    pub fn given(program: Arc<Program>, numbers: Vec<(usize, Vec<f32>)>, texts: Vec<(usize, String)>) -> BoundShader {
+    /// the first counts; parameters without a value are computed whenever the shader runs. Text is one string, or those of an array, of
+    /// which those that are not given are empty.
+    pub fn given(
+        program: Arc<Program>,
+        numbers: Vec<(usize, Vec<f32>)>,
+        texts: Vec<(usize, Vec<String>)>,
+    ) -> BoundShader {
         let mut values = vec![None; program.params.len()];
         let numbers = numbers.into_iter().map(|(slot, v)| (slot, Answer::Numbers(v)));
-        for (slot, value) in numbers.chain(texts.into_iter().map(|(slot, t)| (slot, Answer::Text(t)))) {
+        let texts = texts.into_iter().map(|(slot, mut texts)| match program.params[slot].array {
+            Some(n) => {
+                texts.resize(n as usize, String::new());
+                (slot, Answer::Texts(texts))
+            }
+            None => (slot, Answer::Text(texts.swap_remove(0))),
+        });
+        for (slot, value) in numbers.chain(texts) {
             values[slot].get_or_insert(value);
         }
         let mut bound = BoundShader { program, values, categories: vec![], space: None, of_opacity: OnceLock::new() };
@@ -133,4 +145,6 @@ pub enum Answer {
     Numbers(Vec<f32>),
     /// Text.
     Text(String),
+    /// Those of an array.
+    Texts(Vec<String>),
 }

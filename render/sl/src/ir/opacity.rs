@@ -85,6 +85,30 @@ mod tests {
     }
 
     #[test]
+    fn what_is_set_to_one_on_every_way_is_opaque() {
+        let is_opaque = |body: &str| sliced(body).0.is_opaque;
+        let opaque = [
+            "Oi = 1; Ci = Cs * diffuse(N);",
+            "Ci = s; Oi = color(1, 1, 1);",
+            "if (s > 0.5) { Ci = t; Oi = 1; } Oi = 1;",
+            "float half(float x) { if (x > 1) return 1; return x / 2; } Ci = half(s); Oi = 1;",
+        ];
+        opaque.iter().for_each(|body| assert!(is_opaque(body), "{body}"));
+        let others = [
+            "Ci = s;",
+            "Oi = Os; Ci = Oi * s;",
+            "Oi = 0.5;",
+            "Oi = color(1, 1, 0.9);",
+            "if (s > 0.5) Oi = 1;",
+            "float k; for (k = 0; k < n; k += 1) Oi = 1;",
+            "Oi = 1; if (s > 0.5) Oi = 0;",
+            "Oi = 1; setcomp(Oi, 1, t);",
+            "Oi = 1; Oi *= Os;",
+        ];
+        others.iter().for_each(|body| assert!(!is_opaque(body), "{body}"));
+    }
+
+    #[test]
     fn what_a_colour_alone_depends_on_is_left_out() {
         let (own, shown) = sliced("Oi = 0.5; Ci = occlusion(P, N, n) + diffuse(N); printf(\"%f\", n);");
         assert!(!own.traces && !shown.contains("occlusion") && !shown.contains("illuminance"), "{shown}");

@@ -1,6 +1,5 @@
 //! Optimisation of the IR before a back end sees it: operations on constants are done here, and those whose result nobody reads
 //! are dropped. (Uniform values need no hoisting out of the points: an operation on uniform operands is done once a grid, see
-//! are dropped. (Uniform values need no hoisting out of the points: an operation on uniform operands is done once a grid, see
 //! [`crate::ir`].)
 
 use super::builtins::{How, SceneCall};
@@ -30,6 +29,7 @@ pub fn optimise(program: &mut Program) {
     }
     program.variables = variables_of(program);
     (program.keeps_opacity, program.reads_neighbours) = (keeps_opacity(program), reads_neighbours(program));
+    program.is_opaque = is_opaque(program);
     program.asks_displacement = any(program, |op| matches!(op, Op::Ask { what: crate::ir::Ask::Displacement, .. }));
     program.traces = any(program, |op| match op {
         Op::Gather { .. } => true,
@@ -50,6 +50,34 @@ fn keeps_opacity(program: &Program) -> bool {
         writes_besides(op, &mut |r| keeps &= r != oi);
     });
     keeps
+}
+
+/// Whether Oi is 1 wherever the shader ends: it is set to that on the way that all points go, and to nothing else anywhere.
+fn is_opaque(program: &Program) -> bool {
+    let Some(oi) = program.global(Global::Oi) else { return false };
+    let variables = assigned(program);
+    let (mut ones, mut sets_other) = (vec![false; program.widths.len()], false);
+    visit(&program.body, &mut |op| {
+        if let Op::Const(r, 1.0) = op {
+            ones[r.index()] = !variables[r.index()];
+        }
+    });
+    let sets_one = |op: &Op| matches!(op, Op::Assign(dst, src) if *dst == oi && ones[src.index()]);
+    visit(&program.body, &mut |op| {
+        sets_other |= matches!(op, Op::Assign(dst, _) if *dst == oi) && !sets_one(op);
+        writes_besides(op, &mut |r| sets_other |= r == oi);
+    });
+    let before = program.body.iter().take_while(|op| !sets_one(op)).count();
+    !sets_other && before < program.body.len() && !program.body[..before].iter().any(may_return)
+}
+
+/// Whether an operation may leave the shader: what returns from a function called there does not.
+fn may_return(op: &Op) -> bool {
+    match op {
+        Op::Return => true,
+        Op::Inline(_) => false,
+        op => blocks(op).into_iter().flatten().any(may_return),
+    }
 }
 
 fn reads_neighbours(program: &Program) -> bool {

@@ -50,6 +50,8 @@ pub struct Program {
     pub is_ambient: bool,
     /// Whether the shader keeps Oi equal to Os, so that an opaque surface stays opaque.
     pub keeps_opacity: bool,
+    /// Whether the shader sets Oi to 1 whatever Os is, so that no surface lets anything through.
+    pub is_opaque: bool,
     /// Whether values at a point depend on neighbouring points of the grid: through derivatives, or through maps, whose filters use
     /// them.
     pub reads_neighbours: bool,

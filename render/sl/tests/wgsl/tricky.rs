@@ -226,6 +226,27 @@ fn other_kinds_of_shaders() {
     }
 }
 
+/// Constants beyond the numbers that there are, which WGSL would refuse to work out.
+#[test]
+fn constants_that_are_infinite_are_the_largest_number() {
+    let body = "float most = 1e30 * 1e30, least = -1e38 * 10 - 1e38, e = exp(100); Ci = color(min(most, u), max(least, v), min(e, 2));";
+    let found = compare(&surface("", body), &world(&LIGHTS)).unwrap_or_else(|why| panic!("{why}"));
+    assert!(found.is_some_and(|found| found.difference <= 1e-4));
+}
+
+/// Of an array of strings each has its own, given or by default.
+#[test]
+fn strings_of_arrays_are_known() {
+    let source = "surface t(string names[3] = {\"a\", \"b\", \"c\"}; string others[2] = {\"d\", \"e\"};) {
+        Ci = color(names[0] == \"x\" ? 0.2 : 0.1, names[1] == \"y\" ? u : 0, names[2] == \"\" ? v : 0);
+        if (others[1] == \"e\") Ci += 0.3;
+    }";
+    let program = Arc::new(program(Path::new("test.sl"), source).unwrap());
+    let given = BoundShader::given(program, vec![], vec![(0, vec!["x".into(), "y".into()])]);
+    let found = compare(&Arc::new(given), &world(&LIGHTS)).unwrap_or_else(|why| panic!("{why}"));
+    assert!(found.is_some_and(|found| found.difference <= 1e-4));
+}
+
 #[test]
 fn what_is_given_goes_before_defaults() {
     let source = "surface t(float a = 0.1; float b = sqrt(2) + 1; color c = color(0.1, 0.2, 0.3); float d[2] = {3, 4}; string e = \"object\";) {
@@ -234,7 +255,7 @@ fn what_is_given_goes_before_defaults() {
     }";
     let program = Arc::new(program(Path::new("test.sl"), source).unwrap());
     // Defaults that are not computed when the shader is bound are computed where it runs.
-    let given = BoundShader::given(program.clone(), vec![(0, vec![0.7])], vec![(4, "shader".into())]);
+    let given = BoundShader::given(program.clone(), vec![(0, vec![0.7])], vec![(4, vec!["shader".into()])]);
     let names = [("other", 1), ("b", 1), ("d", 2), ("c", 3)].map(|(name, width)| (name.to_string(), width));
     let slots = VariableSlots::of(&program, &names);
     let n = points().n();

@@ -15,7 +15,7 @@ impl BoundShader {
     pub fn new(
         program: Arc<Program>,
         numbers: Vec<(usize, Vec<f32>)>,
-        texts: Vec<(usize, String)>,
+        texts: Vec<(usize, Vec<String>)>,
         scene: &dyn Scene,
     ) -> BoundShader {
         let mut bound = BoundShader::given(program, numbers, texts);
@@ -40,8 +40,10 @@ impl BoundShader {
                 continue;
             }
             match param.reg {
-                // An array of strings keeps its defaults.
-                Operand::Text(_) if param.array.is_some() => {}
+                Operand::Text(r) if param.array.is_some() => {
+                    let own = r.index()..r.index() + param.array.unwrap_or(1) as usize;
+                    bound.set(slot, Answer::Texts(machine.texts[own].to_vec()));
+                }
                 Operand::Text(r) => bound.set(slot, Answer::Text(machine.texts[r.index()].clone())),
                 Operand::Number(r) => {
                     let registers = r.index()..r.index() + param.array.unwrap_or(1) as usize;

@@ -173,6 +173,10 @@ impl Machine {
                     self.texts[r.index()].clone_from(text);
                     continue;
                 }
+                (Operand::Text(r), Some(Answer::Texts(texts))) => {
+                    self.texts[r.index()..][..texts.len()].clone_from_slice(texts);
+                    continue;
+                }
                 (Operand::Text(_), _) => {
                     self.block(&param.default, scene);
                     continue;

@@ -59,6 +59,11 @@ impl Machine {
                 self.texts[r.index()] = text;
                 found = 1.0;
             }
+            (Some(Answer::Texts(texts)), Operand::Text(r)) if texts.len() >= len as usize => {
+                let own = &mut self.texts[r.index()..][..len as usize];
+                own.clone_from_slice(&texts[..len as usize]);
+                found = 1.0;
+            }
             (Some(Answer::Numbers(v)), Operand::Number(r)) => {
                 let w = r.width();
                 let varying = v.len() == w * self.n && len == 1;

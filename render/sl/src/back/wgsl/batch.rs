@@ -6,7 +6,6 @@ use super::super::scene::{Scene, asked_in_vain, unknown_space, unset};
 use super::super::slots::VariableSlots;
 use super::kernel::{Kernel, Shader, Target};
 use super::module::{Refused, Slot};
-use super::texts::ask;
 use crate::ir::{Ask, Global, Operand, Parameter, Program};
 use glam::{Mat3, Mat4};
 use std::sync::Arc;
@@ -159,12 +158,9 @@ impl<'k> Batch<'k> {
     ) -> Result<usize, Refused> {
         assert!(self.kernel.is_of(shader), "`{}` is not the kernel's shader", shader.program.name);
         let (n, index) = (points.n(), self.grids.len() / 3);
-        for (what, names, answer) in &self.kernel.asked {
-            let names: Vec<&str> = names.iter().map(String::as_str).collect();
-            if ask(*what, &names, scene) != *answer {
-                let reason = format!("has a kernel for another answer to what it asks by `{}`", names.join("`, `"));
-                return Err(Refused { shader: shader.program.name.clone(), reason });
-            }
+        if let Some(names) = self.kernel.other_answer(scene) {
+            let reason = format!("has a kernel for another answer to what it asks by `{}`", names.join("`, `"));
+            return Err(Refused { shader: shader.program.name.clone(), reason });
         }
         if self.kernel.grid && n > self.kernel.group as usize {
             let reason = format!("looks at neighbours in a grid of {n} points, more than {}", self.kernel.group);
@@ -436,7 +432,7 @@ fn numbers(what: Ask, names: &[&str], points: &Points, scene: &dyn Scene) -> Opt
     let told = told.map(|told| Answer::Numbers(told.values.clone()));
     match told.or_else(|| scene.ask(what, names))? {
         Answer::Numbers(values) => Some(values),
-        Answer::Text(_) => None,
+        Answer::Text(_) | Answer::Texts(_) => None,
     }
 }
 

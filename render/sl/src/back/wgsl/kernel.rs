@@ -1,9 +1,11 @@
 //! Kernels: a shader with the shaders of the lights that shine on it, as one text.
 
 use super::super::bound::{Answer, BoundShader};
+use super::super::scene::Scene;
 use super::module::{Asked, Host, LightShader, Module, Query, Refused, Slot};
 use super::registers::type_of;
 use super::specialise::specialised;
+use super::texts::ask;
 use super::writer::Writer;
 use crate::ir::builtins::{How, SceneCall};
 use crate::ir::walk::writes_besides;
@@ -127,6 +129,20 @@ impl Kernel {
     /// Whether it asks the host's functions a query.
     pub fn asks(&self, query: Query) -> bool {
         self.queries.contains(&query)
+    }
+
+    /// Whether a scene answers with the strings that it was written for.
+    pub fn is_answered_by(&self, scene: &dyn Scene) -> bool {
+        self.other_answer(scene).is_none()
+    }
+
+    /// The names by which a scene is asked for a string that is another than it was written for.
+    pub(super) fn other_answer(&self, scene: &dyn Scene) -> Option<&[String]> {
+        let is_other = |(what, names, answer): &&Asked| {
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            ask(*what, &names, scene) != *answer
+        };
+        self.asked.iter().find(is_other).map(|(_, names, _)| names.as_slice())
     }
 
     /// Whether its shader asks for numbers by name of something.

@@ -9,6 +9,7 @@ use super::value::{binary, is_for_triples, unary};
 use super::writer::{Done, Writer};
 use crate::ir::{Ask, Binary, FloatReg, Op, Operand, Reg, TextReg, Transform, TripleReg, Unary};
 use crate::shadeop::color::SPACES;
+use crate::shadeop::number::{binary_value, unary_value};
 
 impl Writer<'_, '_> {
     /// Write an operation. Long, because it has an arm for each.
@@ -84,6 +85,10 @@ impl Writer<'_, '_> {
     }
 
     fn unary(&mut self, f: Unary, dst: Reg, a: Reg) -> Done {
+        let known = self.registers.constant(a).map(|a| unary_value(f, a));
+        if let Some(x) = known.filter(|x| f == Unary::Exp && x.is_infinite()) {
+            return self.constant(dst, x);
+        }
         let value = match dst.width() {
             16 if f == Unary::Copy => self.registers.spread(a, 16),
             3 if is_for_triples(f) => unary(f, &self.registers.spread(a, 3)),
@@ -94,6 +99,11 @@ impl Writer<'_, '_> {
 
     fn binary(&mut self, f: Binary, dst: Reg, a: Reg, b: Reg) -> Done {
         let plain = matches!(f, Binary::Add | Binary::Sub | Binary::Mul);
+        let known = self.registers.constant(a).zip(self.registers.constant(b)).map(|(a, b)| binary_value(f, a, b));
+        // WGSL would work this out as well, and has no constants that are infinite.
+        if let Some(x) = known.filter(|x| plain && x.is_infinite()) {
+            return self.constant(dst, x);
+        }
         let value = if plain && dst.width() == 3 && self.registers.is_triple(a, b) {
             // WGSL repeats the number itself.
             binary(f, &self.registers.shortest(a), &self.registers.shortest(b))
@@ -223,7 +233,11 @@ impl Writer<'_, '_> {
             (_, Operand::Text(_)) => {
                 let of: Vec<&str> = names.iter().map(String::as_str).collect();
                 let answer = texts::ask(what, &of, self.module.host.scene);
-                let found = matches!(answer, Some(Answer::Text(_)));
+                let found = match &answer {
+                    Some(Answer::Text(_)) => true,
+                    Some(Answer::Texts(texts)) => texts.len() >= len as usize,
+                    _ => false,
+                };
                 if let Some(message) = asked_in_vain(what, &of, self.module.host.scene).filter(|_| answer.is_none()) {
                     self.module.host.scene.warn(message);
                 }

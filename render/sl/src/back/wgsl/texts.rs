@@ -21,6 +21,7 @@ impl Texts {
         for (slot, param) in shader.program.params.iter().enumerate() {
             match (param.reg, shader.value(slot)) {
                 (Operand::Text(r), Some(Answer::Text(text))) => texts.set(r, text.clone()),
+                (Operand::Text(r), Some(Answer::Texts(own))) => texts.set_all(r, own),
                 (Operand::Text(_), _) => param.default.iter().for_each(|op| texts.step(op, constants, scene)),
                 _ => {}
             }
@@ -35,6 +36,10 @@ impl Texts {
 
     fn set(&mut self, r: TextReg, text: String) {
         self.known.insert(r.index(), text);
+    }
+
+    fn set_all(&mut self, first: TextReg, texts: &[String]) {
+        (0u16..).zip(texts).for_each(|(k, text)| self.set(first.element(k), text.clone()));
     }
 
     /// Set a string to one that may not be known.
@@ -63,10 +68,14 @@ impl Texts {
                 None => first.array(*len).for_each(|r| self.put(r, None)),
             },
             Op::Format(r, args, _) => self.put(*r, self.format(args, constants)),
-            Op::Ask { what, names, out: Operand::Text(r), .. } => {
+            Op::Ask { what, names, out: Operand::Text(r), len, .. } => {
                 let names: Option<Vec<&str>> = names.iter().map(|r| self.get(*r)).collect();
-                if let Some(Answer::Text(text)) = names.and_then(|names| ask(*what, &names, scene)) {
-                    self.set(*r, text);
+                match names.and_then(|names| ask(*what, &names, scene)) {
+                    Some(Answer::Text(text)) => self.set(*r, text),
+                    Some(Answer::Texts(texts)) if texts.len() >= *len as usize => {
+                        self.set_all(*r, &texts[..*len as usize]);
+                    }
+                    _ => {}
                 }
             }
             _ => {}
@@ -99,10 +108,10 @@ impl Texts {
     /// Forget variables that a block assigns to, which may run any number of times.
     pub fn forget(&mut self, ops: &[Op]) {
         visit(ops, &mut |op| match op {
-            Op::TextCopy(r, _) | Op::TextLoad(r, ..) | Op::Format(r, ..) | Op::Ask { out: Operand::Text(r), .. } => {
-                self.put(*r, None)
+            Op::TextCopy(r, _) | Op::TextLoad(r, ..) | Op::Format(r, ..) => self.put(*r, None),
+            Op::TextStore(first, len, ..) | Op::Ask { out: Operand::Text(first), len, .. } => {
+                first.array(*len).for_each(|r| self.put(r, None))
             }
-            Op::TextStore(first, len, ..) => first.array(*len).for_each(|r| self.put(r, None)),
             _ => {}
         });
     }

@@ -46,6 +46,7 @@ pub fn lower(file: &File, prelude: &[Function]) -> Result<Program, Error> {
         variables: vec![],
         is_ambient: shader.kind == ShaderKind::Light && !l.directed,
         keeps_opacity: false,
+        is_opaque: false,
         reads_neighbours: true,
         asks_displacement: true,
         traces: true,
