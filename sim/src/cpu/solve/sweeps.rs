@@ -129,7 +129,8 @@ where
     ) -> Outcome {
         let Precisions { coarse, fine } = self;
         let is_exact = settings.friction == FrictionLaw::Exact;
-        let settling = settings.settling_tolerance.map(|residual| (residual, SolverSettings::SLOW * op.least_slip));
+        let slow = SolverSettings::SLOW * op.least_slip;
+        let settling = settings.settling_tolerance.map(|residual| (residual, slow));
         let ends = Ends {
             tolerance: settings.tolerance,
             closing: settings.overlap_tolerance.map(|overlap| overlap / op.recovery.step),
@@ -177,7 +178,7 @@ where
         }
         let can_be_solved = op.joints.rows.is_empty() && !op.plan.resists() && !unsettled.is_empty();
         if let Some((residual, _)) = ends.settling.filter(|_| can_be_solved) {
-            let speeds = [settings.rest_speed, op.least_slip];
+            let speeds = [settings.rest_speed, slow];
             let slow = Slow { blocks: unsettled, all: at.0, error: SETTLED * residual, speeds, is_exact };
             if islands::solve(op, &slow, gamma, &response.twist) {
                 op.response(gamma, response);
