@@ -308,3 +308,34 @@ bodies:
         assert!(mean_speed(&sim) < 1e-6, "{} m/s", mean_speed(&sim));
     }
 }
+
+/// Spheres that touch, in three and in five layers over a triangle, stand by their friction, which the lowest have to find at once.
+#[test]
+fn pyramids_of_spheres_stand() {
+    for (n, friction) in [(3, 0.5), (5, 0.6)] {
+        for quality in ["normal", "tight"] {
+            let mut yaml = format!(
+                "quality: {quality}
+materials: {{m: {{density: 2000, friction: {friction}}}}}
+bodies:
+  - {{name: ground, material: m, plane: {{normal: [0, 0, 1]}}}}
+"
+            );
+            let (side, height) = (0.2 * 0.75f64.sqrt(), 0.2 * (2.0f64 / 3.0).sqrt());
+            let places = (0..n).flat_map(|k| (0..n - k).flat_map(move |i| (0..n - k - i).map(move |j| [i, j, k])));
+            for [i, j, k] in places {
+                let [x, y, z] = [i, j, k].map(f64::from);
+                let at = [0.2 * (x + 0.5 * y + 0.5 * z), side * (y + z / 3.0), 0.1 + height * z];
+                yaml +=
+                    &format!("  - {{name: s{i}_{j}_{k}, material: m, sphere: {{radius: 0.1}}, position: {at:?}}}\n");
+            }
+            let mut sim = simulation(&yaml);
+            let start = sim.state.position.clone();
+            while sim.state.time < 3.0 {
+                sim.step();
+            }
+            let moved = sim.state.position.iter().zip(&start).map(|(p, q)| p.distance(*q)).fold(0.0, f64::max);
+            assert!(moved < 1e-5, "{n} layers, {quality}: {moved} m");
+        }
+    }
+}

@@ -23,6 +23,9 @@ const RESTS: f64 = 2e-3;
 /// Residual of slow bodies of any shape to which they are swept, over g h: a sixteenth of what comes to rest.
 const SETTLES: f64 = RESTS / 16.0;
 
+/// Spheres that move up to which the first solve is long: pyramids of them stand by it, and on a device the processor looks at each step for it.
+const FEW_GRAINS: usize = 2000;
+
 /// The half length of what moves where it has no shape, at most, m.
 const UNKNOWN: f64 = 0.1;
 /// Sweeps over spheres at normal quality.
@@ -81,7 +84,7 @@ impl Choice {
                 method: Method::GaussSeidel,
                 friction: FrictionLaw::Exact,
                 iterations: Some(count(10, NORMAL_SWEEPS, 60)),
-                start_iterations: None,
+                start_iterations: Some(400),
                 overlap: Some(level(1e-3, NORMAL_OVERLAP, NORMAL_OVERLAP)),
                 settles: false,
                 tolerance: level(1e-7, 1e-8, 1e-9),
@@ -130,6 +133,8 @@ struct Scale {
     gravity: f64,
     /// Greatest speed at the start, m/s.
     speed: f64,
+    /// Number of shapes that move.
+    n_shapes: usize,
 }
 
 /// Sizes of the moving bodies without shapes, m: their radii of gyration. Points, far smaller than the others, have none.
@@ -172,6 +177,7 @@ impl Scale {
             radius: if radius.is_finite() && radius > 0.0 { radius } else { UNKNOWN },
             gravity: if gravity > 0.0 { gravity } else { 9.81 },
             speed,
+            n_shapes: (0..model.n_shapes()).filter(moves).count(),
         }
     }
 }
@@ -179,7 +185,8 @@ impl Scale {
 impl Quality {
     /// The step, s, and the settings of the solver that the level chooses for a model and its initial state; for a `given` step, s, if there is one.
     pub fn settings(self, model: &Model, state: &State, given: Option<f64>) -> (f64, SolverSettings) {
-        let Scale { kind, radius, gravity, speed } = Scale::of(model, state);
+        let Scale { kind, radius, gravity, speed, n_shapes } = Scale::of(model, state);
+        let starts = kind != Kind::Grains || n_shapes <= FEW_GRAINS;
         let choice = Choice::of(self, kind);
         let by_speed = if speed > 0.0 { way(self) * radius / speed } else { f64::INFINITY };
         let chosen = (choice.step * (radius / gravity).sqrt()).min(choice.longest).min(by_speed);
@@ -190,7 +197,7 @@ impl Quality {
             method: Some(choice.method),
             friction: choice.friction,
             iterations: choice.iterations,
-            start_iterations: choice.start_iterations,
+            start_iterations: choice.start_iterations.filter(|_| starts),
             overlap_tolerance: choice.overlap.map(|overlap| overlap * radius),
             settling_tolerance: Some(SETTLES * model.gravity.length() * step)
                 .filter(|most| choice.settles && *most > 0.0),
