@@ -353,7 +353,7 @@ fn points(
 ) -> usize {
     let (model, shapes, s, t) = (at.model, [s, t], s as usize, t as usize);
     let reach = (at.margin[s] + at.margin[t]) as f64;
-    let way = &InStep { model, state: at.state, bodies: shapes.map(|s| model.shape_body[s as usize] as usize) };
+    let way = || at.way(shapes.map(|s| model.shape_body[s as usize] as usize), [a, b]);
     if let Some(surface) = surface_of(model, t) {
         collide_triangle(a, &Triangle::of(surface, triangle, b), reach, out)
     } else if let Some(surface) = surface_of(model, s) {
@@ -376,29 +376,20 @@ fn points(
     }
 }
 
-/// The way of two bodies in the step.
-struct InStep<'a> {
-    model: &'a Model,
-    state: &'a State,
-    bodies: [usize; 2],
-}
-
-impl Way for InStep<'_> {
-    fn at(&self, shapes: [&Placed; 2], place: DVec3, normal: DVec3) -> [DVec3; 2] {
-        let InStep { model, state, bodies } = self;
-        let [[a, fall_a], [b, fall_b]] = [0, 1].map(|k| {
-            let (body, centre) = (bodies[k], shapes[k].position);
-            let Twist { v, w } = state.twist(body);
-            let turning =
-                if is_curved(shapes[k].kind) { DVec3::ZERO } else { normal * normal.dot(w.cross(place - centre)) };
-            let fall = if state.moves(body) { model.gravity * model.step } else { DVec3::ZERO };
-            [v + w.cross(centre - state.position[body]) + turning, fall]
-        });
-        [(b - a) * model.step, (b - a + fall_b - fall_a) * model.step]
-    }
-}
-
 impl Input<'_> {
+    /// How two shapes of these bodies move in the step.
+    fn way(&self, bodies: [usize; 2], shapes: [&Placed; 2]) -> Way {
+        let Input { model, state, .. } = self;
+        let mut way = Way { step: model.step, ..Way::default() };
+        for (k, body) in bodies.into_iter().enumerate() {
+            let Twist { v, w } = state.twist(body);
+            way.velocity[k] = v + w.cross(shapes[k].position - state.position[body]);
+            way.spin[k] = if is_curved(shapes[k].kind) { DVec3::ZERO } else { w };
+            way.fall[k] = if state.moves(body) { model.gravity * model.step } else { DVec3::ZERO };
+        }
+        way
+    }
+
     /// The body, 0 for A and 1 for B, on whose surface a contact at a gap has its point: that which moves, where the other is held in
     /// place and they have not met yet. Between two bodies that move the point is in the middle, which keeps the angular momentum.
     #[inline(always)]

@@ -73,14 +73,14 @@ impl<'a> Last<'a> {
 }
 
 /// Find the contact points of two convex shapes with a gap of at most `reach`, m, and keep their manifold: those of `last` carried along,
-/// or new ones once the shapes have moved against each other by more than `slack`, m. Gaps up to `rest_gap`, m, carry. `way` is that of the step.
+/// or new ones once the shapes have moved against each other by more than `slack`, m. Gaps up to `rest_gap`, m, carry. `way` tells how they move in the step.
 /// Returns their count.
 pub fn collide_or_recycle(
     [a, b]: [&Placed; 2],
     (pair, shapes): (u32, [u32; 2]),
     (reach, slack, rest_gap): (f64, f64, f64),
     last: Option<(&Kept, &[KeptPoint])>,
-    way: &impl Way,
+    way: impl FnOnce() -> Way,
     (kept, out): (&mut PartManifolds, &mut Points),
 ) -> usize {
     if a.position.distance(b.position) > a.extent + b.extent + reach {
@@ -203,15 +203,6 @@ mod tests {
     use crate::pose::Pose;
     use glam::DQuat;
 
-    /// The way of shapes that do not move.
-    struct Still;
-
-    impl Way for Still {
-        fn at(&self, _: [&Placed; 2], _: DVec3, _: DVec3) -> [DVec3; 2] {
-            [DVec3::ZERO; 2]
-        }
-    }
-
     /// Least gap of the points of a manifold.
     fn least(points: &[Point]) -> f64 {
         points.iter().map(|p| p.gap).fold(f64::INFINITY, f64::min)
@@ -235,7 +226,8 @@ mod tests {
             let slack = 1e-3;
             let find = |b: &Placed, last: Option<(&Kept, &[KeptPoint])>, kept: &mut PartManifolds| {
                 let mut out = Points::default();
-                let n = collide_or_recycle([&a, b], (0, [0, 1]), (0.2, slack, 0.0), last, &Still, (kept, &mut out));
+                let n =
+                    collide_or_recycle([&a, b], (0, [0, 1]), (0.2, slack, 0.0), last, Way::default, (kept, &mut out));
                 out[..n].to_vec()
             };
             let mut first = PartManifolds::default();
@@ -298,7 +290,8 @@ mod tests {
                 let find = |b: &Placed, last: Option<(&Kept, &[KeptPoint])>, kept: &mut PartManifolds| {
                     let mut out = Points::default();
                     let both = if is_second { [&floor, b] } else { [b, &floor] };
-                    let n = collide_or_recycle(both, (0, [0, 1]), (0.01, 2e-3, 0.0), last, &Still, (kept, &mut out));
+                    let n =
+                        collide_or_recycle(both, (0, [0, 1]), (0.01, 2e-3, 0.0), last, Way::default, (kept, &mut out));
                     out[..n].to_vec()
                 };
                 let [mut first, mut second] = [PartManifolds::default(), PartManifolds::default()];
@@ -331,7 +324,7 @@ mod tests {
             let [mut first, mut second] = [PartManifolds::default(), PartManifolds::default()];
             let at = DVec3::new(0.4 + gap, 0.0, 0.0);
             let mut find = |b: &Placed, last: Option<(&Kept, &[KeptPoint])>, kept: &mut PartManifolds| {
-                collide_or_recycle([&a, b], (0, [0, 1]), (0.01, 1e-3, 1e-3), last, &Still, (kept, &mut out))
+                collide_or_recycle([&a, b], (0, [0, 1]), (0.01, 1e-3, 1e-3), last, Way::default, (kept, &mut out))
             };
             assert_eq!(find(&place(at, across), None, &mut first), 1);
             let last = first.kept.first().map(|kept| (kept, &first.points[..]));

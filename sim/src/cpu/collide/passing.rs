@@ -3,9 +3,9 @@
 //! freely. Where the way of the step keeps two shapes apart along some other axis, they have that one.
 
 use super::convex::{Axis, Convex, Overlap, search, separation};
-use super::manifold::{OF_SECOND, feature, feature_id, is_end};
+use super::manifold::{OF_SECOND, feature, feature_id};
 use super::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
-use super::rolling::has_face;
+use super::rolling::{face_near, has_face};
 use crate::ShapeKind;
 use crate::manifolds::Corner;
 use glam::{DMat3, DVec3};
@@ -46,27 +46,47 @@ impl Convex for Swept<'_> {
     }
 }
 
-/// The way of the second of two shapes against the first in a step.
-pub trait Way {
-    /// As they move now, and with what gravity adds, m, at a place with a normal. Turning counts along the normal, and not of curved shapes, as
-    /// those that roll.
-    fn at(&self, shapes: [&Placed; 2], place: DVec3, normal: DVec3) -> [DVec3; 2];
+/// How two shapes move in a step.
+#[derive(Default)]
+pub struct Way {
+    /// Velocities of their centres, m/s.
+    pub velocity: [DVec3; 2],
+    /// How they turn, rad/s; of curved shapes, which may roll, zero.
+    pub spin: [DVec3; 2],
+    /// What gravity adds to the velocities, m/s.
+    pub fall: [DVec3; 2],
+    /// Step size, s.
+    pub step: f64,
+}
+
+impl Way {
+    /// The way of the second against the first as they move now, and with what gravity adds, m, at a place with a normal, along which turning
+    /// counts.
+    fn at(&self, shapes: [&Placed; 2], place: DVec3, normal: DVec3) -> [DVec3; 2] {
+        let [a, b] =
+            [0, 1].map(|k| self.velocity[k] + normal * normal.dot(self.spin[k].cross(place - shapes[k].position)));
+        let [fall_a, fall_b] = self.fall;
+        [(b - a) * self.step, (b - a + fall_b - fall_a) * self.step]
+    }
 }
 
 /// Replace the `n` points of two convex shapes by those along the axis that keeps them apart on their way, if there is one. Points have a gap of
 /// at most `reach`, m; shapes come to rest at a gap of `rest_gap`, m. Returns their count, and leaves the axis in `axis`.
 pub fn pass(
     [a, b]: [&Placed; 2],
-    way: &impl Way,
+    way: impl FnOnce() -> Way,
     (reach, rest_gap): (f64, f64),
     (axis, n): (&mut Axis, usize),
     out: &mut Points,
 ) -> usize {
+    use ShapeKind::{Box, Capsule, Ellipsoid, Sphere};
     let size = a.size.min_element().min(b.size.min_element());
     let grazing = GRAZING * size;
-    if out[..n].iter().any(|p| p.gap < -grazing) {
+    let has_no_faces = |shape: &Placed| matches!(shape.kind, Sphere | Ellipsoid | Capsule);
+    if n == 0 || [a, b].into_iter().all(has_no_faces) || out[..n].iter().any(|p| p.gap < -grazing) {
         return n;
     }
+    let way = way();
     // What comes too near as it moves now; else as it falls.
     let mut worst = [(CLOSING * grazing, DVec3::ZERO, DVec3::ZERO); 2];
     for p in &out[..n] {
@@ -79,7 +99,7 @@ pub fn pass(
     }
     let Some((_, way, normal)) = worst.into_iter().find(|(_, way, _)| *way != DVec3::ZERO) else { return n };
     let found = match (a.kind, b.kind) {
-        (ShapeKind::Box, ShapeKind::Box) => box_axis([a, b], way),
+        (Box, Box) => box_axis([a, b], way),
         _ => any_axis([a, b], way),
     };
     let Some(apart) = found.filter(|axis| axis.dot(normal) <= SAME) else { return n };
@@ -105,38 +125,19 @@ fn any_axis([a, b]: [&Placed; 2], way: DVec3) -> Option<DVec3> {
         Err(Overlap { near, .. }) => near,
     };
     let normal = near?.normal;
-    let faces = [face_near(a, normal), face_near(b, -normal).map(|face| -face)];
+    let facing = |shape: &Placed, d: DVec3| face_near(shape, shape.local(d)).map(|face| shape.rotation * face);
+    let faces = [facing(a, normal), facing(b, -normal).map(|face| -face)];
     faces.into_iter().flatten().find(|face| separation(a, &swept, *face) > 0.0)
-}
-
-/// The unit normal of the face of a shape that looks along a direction most, world; none of curved sides.
-fn face_near(shape: &Placed, direction: DVec3) -> Option<DVec3> {
-    let d = shape.local(direction);
-    let face = match shape.kind {
-        ShapeKind::Box => {
-            let axis = (0..3).max_by(|i, j| d[*i].abs().total_cmp(&d[*j].abs()))?;
-            DVec3::AXES[axis] * 1.0f64.copysign(d[axis])
-        }
-        ShapeKind::Hull => shape.hull?.normal_facing(d),
-        ShapeKind::Cylinder if is_end(shape.kind, d) => DVec3::Z * 1.0f64.copysign(d.z),
-        ShapeKind::Cone if is_end(shape.kind, d) => -DVec3::Z,
-        _ => return None,
-    };
-    Some(shape.rotation * face)
 }
 
 /// [`any_axis`] of two boxes, across one of their faces.
 fn box_axis([a, b]: [&Placed; 2], way: DVec3) -> Option<DVec3> {
-    let into_a = a.rotation.transpose();
-    let turned = into_a * b.rotation;
+    let turned = a.rotation.transpose() * b.rotation;
     let size = b.size * (1.0 - GRAZING);
     let abs = |m: DMat3| DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
     let reach_a = a.size + abs(turned) * size;
     let reach_b = size + abs(turned.transpose()) * a.size;
-    let (between, middle) = (b.position - a.position, into_a * (b.position - a.position));
-    let into_b = b.rotation.transpose();
-    let ways = [into_a * way, into_b * way];
-    let middles = [middle, into_b * between];
+    let [middles, ways] = [b.position - a.position, way].map(|v| [a.local(v), b.local(v)]);
     let mut best = (0.0, DVec3::ZERO);
     for (side, (reach, rotation)) in [(reach_a, &a.rotation), (reach_b, &b.rotation)].into_iter().enumerate() {
         for k in 0..3 {

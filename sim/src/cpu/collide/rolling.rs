@@ -12,17 +12,25 @@ pub fn is_curved(kind: ShapeKind) -> bool {
     matches!(kind, Sphere | Ellipsoid | Cylinder | Capsule | Cone)
 }
 
+/// The unit normal of the flat face of a shape that looks along a direction most, both of its frame; none of curved sides.
+pub fn face_near(shape: &Placed, d: DVec3) -> Option<DVec3> {
+    match shape.kind {
+        ShapeKind::Box => {
+            let axis = (0..3).max_by(|i, j| d[*i].abs().total_cmp(&d[*j].abs()))?;
+            Some(DVec3::AXES[axis] * 1.0f64.copysign(d[axis]))
+        }
+        ShapeKind::Hull => Some(shape.hull?.normal_facing(d)),
+        ShapeKind::Cylinder if is_end(shape.kind, d) => Some(DVec3::Z * 1.0f64.copysign(d.z)),
+        ShapeKind::Cone if is_end(shape.kind, d) => Some(-DVec3::Z),
+        _ => None,
+    }
+}
+
 /// Whether a shape has a flat face across a direction of its frame.
 pub fn has_face(shape: &Placed, d: DVec3) -> bool {
     /// Cosine of the angle between them.
     const ALONG: f64 = 1.0 - 1e-8;
-    match shape.kind {
-        ShapeKind::Box => d.abs().max_element() >= ALONG,
-        ShapeKind::Hull => shape.hull.is_some_and(|hull| hull.normal_facing(d).dot(d) >= ALONG),
-        ShapeKind::Cylinder => d.z.abs() >= ALONG,
-        ShapeKind::Cone => -d.z >= ALONG,
-        _ => false,
-    }
+    face_near(shape, d).is_some_and(|face| face.dot(d) >= ALONG)
 }
 
 /// What is kept of a point on a shape, in its frame, m, whose outward normal is `d`: of a capsule the point on its axis.
