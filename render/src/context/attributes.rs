@@ -1,13 +1,14 @@
 //! Calls that set attributes and make lights.
 
+use super::options::answer_of;
 use crate::context::state::Context;
 use crate::gprim::bound::longest;
 use crate::scene::area::{Area, AreaLight};
 use crate::scene::attributes::{Attribute, DisplacementBound};
 use crate::scene::camera::Camera;
 use glam::Vec3;
-use ri::{Fail, Params, RiResult, Values};
-use sl::machine::{Answer, BoundShader};
+use ri::{Fail, Params, RiResult};
+use sl::machine::BoundShader;
 use std::sync::Arc;
 
 impl Context {
@@ -60,11 +61,7 @@ impl Context {
     /// An attribute of a group.
     pub(super) fn set_attribute(&mut self, name: &str, params: Params) -> RiResult {
         for param in &params {
-            let answer = match &param.values {
-                Values::Floats(v) => Answer::Numbers(v.clone()),
-                Values::Strings(v) if v.len() > 1 => Answer::Texts(v.clone()),
-                Values::Strings(v) => Answer::Text(v.first().cloned().unwrap_or_default()),
-            };
+            let answer = answer_of(param.values.clone());
             let key = format!("{name}:{}", param.decl.name);
             let user = Arc::make_mut(&mut self.attributes.user);
             user.retain(|(n, _)| *n != key);

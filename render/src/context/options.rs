@@ -300,11 +300,7 @@ impl Context {
                     format!("option `{option}` is not supported: shaders may ask for it, it has no other effect");
                 self.scene.warn(message);
             }
-            let answer = match param.values {
-                Values::Floats(v) => Answer::Numbers(v),
-                Values::Strings(v) if v.len() > 1 => Answer::Texts(v),
-                Values::Strings(v) => Answer::Text(v.first().cloned().unwrap_or_default()),
-            };
+            let answer = answer_of(param.values);
             for key in [format!("{name}:{}", param.decl.name), param.decl.name.clone()] {
                 self.scene.options.retain(|(n, _)| *n != key);
                 self.scene.options.push((key, answer.clone()));
@@ -371,5 +367,14 @@ impl Context {
                 self.scene.warnings.add_at(spot, message);
             }
         }
+    }
+}
+
+/// What shaders that ask for an option or an attribute of these values are answered.
+pub(super) fn answer_of(values: Values) -> Answer {
+    match values {
+        Values::Floats(v) => Answer::Numbers(v),
+        Values::Strings(v) if v.len() > 1 => Answer::Texts(v),
+        Values::Strings(v) => Answer::Text(v.into_iter().next().unwrap_or_default()),
     }
 }

@@ -273,8 +273,9 @@ impl Attributes {
 
     /// Whether it is opaque and no shader makes it less, nor the time.
     pub fn stays_opaque(&self) -> bool {
-        let is_opaque = self.surface.program.is_opaque && !self.fades() && self.atmosphere_keeps_opacity();
-        is_opaque || self.opacity == [1.0; 3] && self.keeps_opacity()
+        let program = &self.surface.program;
+        let is_opaque = program.is_opaque || program.keeps_opacity && self.opacity == [1.0; 3];
+        is_opaque && !self.fades() && self.atmosphere_keeps_opacity()
     }
 
     /// Whether no shader changes its opacity, nor the time.
