@@ -3,13 +3,14 @@
 //! in     orientation  [n_bodies]
 //! out    joint_start  [n_joints + 1]  first row of each joint, and of the springs
 //! out    joint_row    [n_rows]        dΨ/dt and Ψ in the world frame
-//! out    joint_bias   [n_rows]        Ψ/h − rate, and terms of springs, m/s
+//! out    joint_bias   [n_rows]        Ψ/h − rate, and terms of arcs and springs, m/s
 //! out    limit        [n_limits]
 //! out    limit_joint  [n_limits]
 //! inout  tensor       [n_tensors]     geometric stiffness is added
 //! inout  free         [n_bodies]      explicit springs act on it, and geometric stiffness
 //! Source: paper §2, bilateral constraints; springs are implicit where they are too stiff for the step.
 
+use super::arcs;
 use super::geometric_stiffness::{Stiffness, Target};
 use super::masses::Masses;
 use super::solve::joints::Joints;
@@ -64,6 +65,7 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
     start.clear();
     joints.rows.clear();
     joints.bias.clear();
+    joints.arc.clear();
     *limits = Limits::default();
     let frames: Vec<Option<Frames>> =
         model.joints.iter().map(|joint| joint_acts(state, joint).then(|| state.joint_frames(joint))).collect();
@@ -74,6 +76,7 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
         joint.rows(f, &state.joints[i], end, &mut joints.rows);
         let bound = model.solver.recovery_speed.max(1.0);
         joints.bias.extend(joints.rows[first..].iter().map(|r| (r.psi / h).clamp(-bound / h, bound / h) - r.rate));
+        arcs::predict(model, state, i, first, joints);
         let limits_of = joint.limits.filter(|_| joint.locked_at().is_none());
         if let (Some([min, max]), Some(c)) = (limits_of, joint.kind.coordinate()) {
             let at = joint.coordinate(f, &state.joints[i]);

@@ -1,0 +1,133 @@
+//! Bodies move on arcs, not straight on. What Ψ of a joint's row changes by in a step beyond h dΨ/dt, over h, is part of the row's bias: of links
+//! that turn by ω h, ω² h/2 times their length, m/s. Without it that is their gap after the step, and the next one takes it back.
+//!
+//! Before the solve bodies are taken to go on as they move ([`predict`]). Where neither contacts nor limits act, the joints are then solved for the
+//! arcs of the very motion that they give: Ψ is zero at the step's end, and energy stays. Where they act, which an impact would make wrong, what
+//! the arcs are otherwise moves the bodies alone, not their velocities ([`follow`]).
+//! Source: Ryckaert, Ciccotti and Berendsen, *Numerical integration of the cartesian equations of motion of a system with constraints* (1977).
+
+use super::integrate::moved_pose;
+use super::masses::Masses;
+use super::solve::joints::Joints;
+use super::solve::response::Response;
+use crate::joint::{Coordinate, Frames, Joint, Motor, Row};
+use crate::model::Model;
+use crate::state::State;
+use crate::twist::Twist;
+
+/// Angle by which a body of a joint turns in a step, rad, up to which its rows are straight.
+const LEAST_TURN: f64 = 1e-5;
+
+/// Change of an arc, over the greatest arc, up to which it is the same.
+const SAME: f64 = 1e-4;
+
+/// The most solves for arcs in a step.
+const MOST: usize = 4;
+
+/// The arcs of a joint's rows `joints.rows[first..]`, as its bodies move now, into their bias.
+pub fn predict(model: &Model, state: &State, i: usize, first: usize, joints: &mut Joints) {
+    let Joints { rows, bias, arc, .. } = joints;
+    arc.resize(rows.len(), 0.0);
+    let motion = model.joints[i].bodies.map(|b| state.twist(b as usize));
+    if turns(&model.joints[i], motion, model.step) {
+        let mut arcs = Arcs { model, state, after: vec![] };
+        for (k, now) in (first..).zip(arcs.of(i, &rows[first..], motion)) {
+            arc[k] = now;
+            bias[k] += now;
+        }
+    }
+}
+
+/// Solve the joints for the arcs of the motion of a response, where none of those bodies that are coupled is `touched` by a contact or a limit.
+/// Returns rows of the others, and how much their arcs are greater than in their bias, m/s or rad/s, by which the bodies are to be moved less
+/// ([`Joints::correct`]). `start` has the first row of each joint.
+pub fn follow(
+    (model, state, masses): (&Model, &State, &Masses),
+    (joints, start): (&mut Joints, &[u32]),
+    touched: impl Iterator<Item = u32>,
+    response: &mut Response,
+) -> Vec<(usize, f64)> {
+    let ends = |i: usize| model.joints[i].bodies.map(|b| response.twist[b as usize]);
+    let bends = |i: &usize| start[*i] < start[i + 1] && turns(&model.joints[*i], ends(*i), model.step);
+    let bent: Vec<usize> = (0..model.joints.len()).filter(bends).collect();
+    if bent.is_empty() {
+        return vec![];
+    }
+    let mut is_touched = vec![false; model.n_bodies()];
+    let moving = touched.filter(|body| masses.inv_mass[*body as usize] > 0.0);
+    moving.for_each(|body| is_touched[joints.island(body) as usize] = true);
+    let is_free = |i: &usize| !model.joints[*i].bodies.iter().any(|b| is_touched[joints.island(*b) as usize]);
+    let (free, held): (Vec<usize>, Vec<usize>) = bent.into_iter().partition(is_free);
+    let mut arcs = Arcs { model, state, after: vec![] };
+    let mut changes = vec![];
+    for _ in 0..MOST {
+        if !arcs.change(&free, (joints, start), response, &mut changes) {
+            break;
+        }
+        for (k, change) in &changes {
+            joints.bias[*k] += change;
+            joints.arc[*k] += change;
+        }
+        joints.solve(masses, response);
+    }
+    if !arcs.change(&held, (joints, start), response, &mut changes) {
+        changes.clear();
+    }
+    changes
+}
+
+/// Whether a joint's rows bend in a step: its bodies turn, or it is a length, which swings round.
+fn turns(joint: &Joint, motion: [Twist; 2], h: f64) -> bool {
+    let least = LEAST_TURN / h;
+    joint.kind.coordinate() == Some(Coordinate::Length)
+        || motion.iter().any(|motion| motion.w.length_squared() > least * least)
+}
+
+/// The arcs of joints' rows.
+struct Arcs<'a> {
+    model: &'a Model,
+    state: &'a State,
+    /// Rows of a joint at the step's end.
+    after: Vec<Row>,
+}
+
+impl Arcs<'_> {
+    /// List the rows of some joints, and how their arcs change with the motion of a response, m/s or rad/s. Returns whether they do.
+    fn change(
+        &mut self,
+        of: &[usize],
+        (joints, start): (&Joints, &[u32]),
+        response: &Response,
+        changes: &mut Vec<(usize, f64)>,
+    ) -> bool {
+        let (mut greatest, mut change) = (0.0f64, 0.0f64);
+        changes.clear();
+        for i in of {
+            let rows = start[*i] as usize..start[i + 1] as usize;
+            let motion = self.model.joints[*i].bodies.map(|b| response.twist[b as usize]);
+            for (k, now) in rows.clone().zip(self.of(*i, &joints.rows[rows], motion)) {
+                changes.push((k, now - joints.arc[k]));
+                greatest = greatest.max(now.abs());
+                change = change.max((now - joints.arc[k]).abs());
+            }
+        }
+        change > SAME * greatest
+    }
+
+    /// The arcs of joint `i`, whose rows are `rows`, of the motion of its bodies, m/s or rad/s.
+    fn of(&mut self, i: usize, rows: &[Row], motion: [Twist; 2]) -> impl Iterator<Item = f64> {
+        let Arcs { model, state, after } = self;
+        let (joint, h) = (&model.joints[i], model.step);
+        let poses = [0, 1].map(|k| {
+            let b = joint.bodies[k] as usize;
+            moved_pose(&state.pose(b), &motion[k], model.inv_inertia[b], h, None).0
+        });
+        after.clear();
+        let frames = Frames::of(poses, &joint.frame_a, &joint.frame_b);
+        joint.rows(&frames, &state.joints[i], state.time + h, after);
+        // The row of a prescribed rate has no Ψ.
+        let n = rows.len() - usize::from(matches!(joint.motor, Some(Motor::Speed(_))));
+        let arc = move |(row, after): (&Row, &Row)| (after.psi - row.psi) / h - row.speed(motion[0], motion[1]);
+        rows[..n].iter().zip(&*after).map(arc)
+    }
+}
