@@ -231,6 +231,8 @@ duration: 0.05
     assert!(normal.contains("quality: normal") && normal.contains("method: gauss_seidel"), "{normal}");
     assert_eq!(normal, resolved("", &["--quality", "normal"]));
     assert_ne!(normal, resolved("quality: normal\n", &["--quality", "tight"]));
+    let two = ["simulate", &file, "-o", &run, "--quality", "tight", "--set", "quality=draft"];
+    assert!(scree(&two).fails(2).contains("give one"));
     let given = resolved("quality: tight\nstep: 0.002\nsolver: {method: apgd, tolerance: 1.0e-5}\n", &[]);
     for line in ["step: 0.002", "method: apgd", "tolerance: 0.00001", "friction: relaxed"] {
         assert!(given.contains(line), "{line}: {given}");

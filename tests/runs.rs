@@ -248,6 +248,8 @@ fn faults_of_replaced_values_are_told_where_they_are_written() {
     for (set, says) in [
         ("solver.iterations=abc", "--set solver.iterations=abc: invalid type: string \"abc\", expected a whole number"),
         ("solver.iteratoins=3", "did you mean `iterations`?"),
+        ("solver.rest_gap=1", "--set solver.rest_gap=1: is 1 m, above the envelope of "),
+        ("quality=[draft]", "--set quality=[draft]: invalid type: sequence, expected a word"),
         ("step=-1", "--set step=-1: is -1, expected a number above 0"),
         ("bodies.grund.mass=3", "did you mean `ground`?"),
         ("materials.ston.friction=0.3", "there is no key, index or name `ston`"),

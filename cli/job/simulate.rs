@@ -44,6 +44,9 @@ impl SimulateJob {
         let computer = computer(args.backend, args.adapter.clone())?;
         let mut set = replacements(args.set.iter().map(|a| (&a.path, &a.value)));
         if let Some(quality) = args.quality {
+            if args.set.iter().any(|a| a.path == "quality") {
+                return Err(Failure::new(Exit::Usage, "--quality and --set quality both choose the quality: give one"));
+            }
             let value = Quality::from(quality).name().into();
             set.insert(0, Replacement { path: "quality".into(), value, written: None });
         }

@@ -235,6 +235,7 @@ fn in_plain_words(message: &str) -> String {
         "f32" | "f64" => "a number",
         "a string" | "str" => "a text",
         "a boolean" => "true or false",
+        "a YAML tag starting with '!'" => "a word",
         "a sequence" => "a list",
         other if other.starts_with("struct ") => "keys with values",
         other if other.starts_with("tuple ") || other.starts_with("an array of length") => {
@@ -395,6 +396,18 @@ mod tests {
         stones: Vec<Stone>,
     }
 
+    #[derive(Deserialize, Debug)]
+    #[serde(rename_all = "snake_case")]
+    enum Tone {
+        Dark,
+    }
+
+    #[derive(Deserialize, Debug)]
+    struct Shade {
+        #[allow(dead_code)]
+        shade: Tone,
+    }
+
     fn fault(text: &str) -> Fault {
         parse::<Top>(Path::new("m.yaml"), text.into()).unwrap_err()
     }
@@ -410,6 +423,8 @@ mod tests {
     fn a_wrong_type_and_a_torn_file_are_placed() {
         let f = fault("stones:\n  - density: heavy\n");
         assert_eq!((f.line, f.column), (2, 14), "{f}");
+        let choice = parse::<Shade>(Path::new("m.yaml"), "shade: [dark]\n".into()).unwrap_err();
+        assert!(choice.message.ends_with("expected a word"), "{choice}");
         assert_eq!(fault("stones: [\n  {density: 1},\n").line, 3);
         assert_eq!(fault(" \n").message, "is empty");
     }

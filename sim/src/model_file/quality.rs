@@ -247,6 +247,9 @@ impl ModelFile {
             };
         }
         fill!(friction, start_iterations, tolerance, recovery_speed, rest_gap, rest_speed, envelope, recycle);
+        if let Some(envelope) = own.envelope.filter(|_| is_open("solver.rest_gap")) {
+            own.rest_gap = own.rest_gap.min(envelope);
+        }
         self.step = step;
         Ok(())
     }

@@ -414,7 +414,7 @@ impl<'a> Builder<'a> {
         self.exclusions.dedup();
         self.model.exclusions = std::mem::take(&mut self.exclusions);
         self.model.scheduled.sort_by_key(|s| s.body);
-        self.choose_envelope();
+        self.choose_envelope()?;
         self.joint_states();
         let probes = self.probes()?;
         let model = self.model;
@@ -438,7 +438,10 @@ impl<'a> Builder<'a> {
     }
 
     /// Set the envelope: as given, or a fiftieth of the smallest half length of a moving shape; and how far contact points are carried.
-    fn choose_envelope(&mut self) {
+    ///
+    /// # Errors
+    /// A gap at rest beyond the envelope.
+    fn choose_envelope(&mut self) -> Result<(), Fault> {
         let min = (0..self.model.n_shapes())
             .filter(|s| self.moves_ever(self.model.shape_body[*s]))
             .map(|s| self.model.shape_size[s].min_element())
@@ -446,6 +449,12 @@ impl<'a> Builder<'a> {
         let default = if min.is_finite() { 0.02 * min } else { 1e-3 };
         self.model.envelope = self.file.solver.envelope.unwrap_or(default);
         self.model.recycle = self.file.solver.recycle.unwrap_or(1e-3 * self.model.envelope);
+        let (gap, envelope) = (self.file.solver.rest_gap, self.model.envelope);
+        if gap > envelope {
+            let message = format!("is {gap} m, above the envelope of {envelope:.3e} m within which contacts are made");
+            return Err(self.doc.fault("solver.rest_gap", message).hint("leave it to `quality`"));
+        }
+        Ok(())
     }
 }
 
