@@ -235,7 +235,7 @@ fn in_plain_words(message: &str) -> String {
         "f32" | "f64" => "a number",
         "a string" | "str" => "a text",
         "a boolean" => "true or false",
-        "a YAML tag starting with '!'" => "a word",
+        "a YAML tag starting with '!'" | "a Value::Tagged enum" => "a word",
         "a sequence" => "a list",
         other if other.starts_with("struct ") => "keys with values",
         other if other.starts_with("tuple ") || other.starts_with("an array of length") => {
