@@ -21,6 +21,9 @@ const LEAST_TURN: f64 = 1e-5;
 /// Change of an arc, over the greatest arc, up to which it is the same.
 const SAME: f64 = 1e-4;
 
+/// The energy of links over that with the arcs as predicted from which on these are not followed: links that pass a straight line would be thrown.
+const GROWN: f64 = 1.02;
+
 /// The most solves for arcs in a step.
 const MOST: usize = 4;
 
@@ -57,18 +60,26 @@ pub fn follow(
     let moving = touched.filter(|body| masses.inv_mass[*body as usize] > 0.0);
     moving.for_each(|body| is_touched[joints.island(body) as usize] = true);
     let is_free = |i: &usize| !model.joints[*i].bodies.iter().any(|b| is_touched[joints.island(*b) as usize]);
-    let (free, held): (Vec<usize>, Vec<usize>) = bent.into_iter().partition(is_free);
+    let (free, mut held): (Vec<usize>, Vec<usize>) = bent.into_iter().partition(is_free);
     let mut arcs = Arcs { model, state, after: vec![] };
     let mut changes = vec![];
+    let energy = |response: &Response| -> f64 {
+        let bodies = free.iter().flat_map(|i| model.joints[*i].bodies).map(|b| b as usize);
+        bodies.map(|b| masses.energy::<false>(b, &response.twist[b])).sum()
+    };
+    let (before, mut made) = (energy(response), vec![]);
     for _ in 0..MOST {
         if !arcs.change(&free, (joints, start), response, &mut changes) {
             break;
         }
-        for (k, change) in &changes {
-            joints.bias[*k] += change;
-            joints.arc[*k] += change;
-        }
+        joints.bend(&changes, 1.0);
         joints.solve(masses, response);
+        made.append(&mut changes);
+    }
+    if energy(response) > GROWN * before {
+        joints.bend(&made, -1.0);
+        joints.solve(masses, response);
+        held.extend(&free);
     }
     if !arcs.change(&held, (joints, start), response, &mut changes) {
         changes.clear();

@@ -203,6 +203,14 @@ impl Joints {
         self.pattern = Pattern::default();
     }
 
+    /// Add `share` of what is given to the arcs of some rows, m/s or rad/s.
+    pub fn bend(&mut self, arcs: &[(usize, f64)], share: f64) {
+        for (row, arc) in arcs {
+            self.arc[*row] += arc * share;
+            self.bias[*row] += arc * share;
+        }
+    }
+
     /// Reset the multipliers of a response to zero, for velocities without joints.
     pub fn reset(&self, response: &mut Response) {
         response.lambda.clear();
