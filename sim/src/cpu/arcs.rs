@@ -6,6 +6,7 @@
 //! the arcs are otherwise moves the bodies alone, not their velocities ([`follow`]).
 //! Source: Ryckaert, Ciccotti and Berendsen, *Numerical integration of the cartesian equations of motion of a system with constraints* (1977).
 
+use super::geometric_stiffness::Stiffness;
 use super::integrate::moved_pose;
 use super::masses::Masses;
 use super::solve::joints::Joints;
@@ -18,25 +19,43 @@ use crate::twist::Twist;
 /// Angle by which a body of a joint turns in a step, rad, up to which its rows are straight.
 const LEAST_TURN: f64 = 1e-5;
 
+/// The mass of the heaviest body on a joint over that of a light one.
+const LIGHT: f64 = 300.0;
+
 /// Change of an arc, over the greatest arc, up to which it is the same.
 const SAME: f64 = 1e-4;
 
 /// The energy of links over that with the arcs as predicted from which on these are not followed: links that pass a straight line would be thrown.
 const GROWN: f64 = 1.02;
 
+/// The change of arcs over that of the solve before from which on they are not followed either.
+const SLOWER: f64 = 0.5;
+
 /// The most solves for arcs in a step.
 const MOST: usize = 4;
 
-/// The arcs of a joint's rows `joints.rows[first..]`, as its bodies move now, into their bias.
-pub fn predict(model: &Model, state: &State, i: usize, first: usize, joints: &mut Joints) {
-    let Joints { rows, bias, arc, .. } = joints;
+/// The arcs of the joints, as bodies move now, into the bias of their rows; `start` has the first row of each joint. Those of links too light for
+/// the step, whose stiffness acts at its end, stay straight.
+pub fn predict(model: &Model, state: &State, start: &[u32], stiffness: &Stiffness, joints: &mut Joints) {
+    let Joints { rows, bias, arc, is_stiff, .. } = joints;
+    arc.clear();
     arc.resize(rows.len(), 0.0);
-    let motion = model.joints[i].bodies.map(|b| state.twist(b as usize));
-    if turns(&model.joints[i], motion, model.step) {
-        let mut arcs = Arcs { model, state, after: vec![] };
-        for (k, now) in (first..).zip(arcs.of(i, &rows[first..], motion)) {
-            arc[k] = now;
-            bias[k] += now;
+    let inv_mass = |body: &u32| Some(model.inv_mass[*body as usize]).filter(|_| state.moves(*body as usize));
+    let heaviest =
+        model.joints.iter().flat_map(|joint| &joint.bodies).filter_map(inv_mass).fold(f64::INFINITY, f64::min);
+    let is_light = |joint: &Joint| joint.bodies.iter().filter_map(inv_mass).any(|own| own > LIGHT * heaviest);
+    is_stiff.clear();
+    is_stiff.extend(model.joints.iter().enumerate().map(|(i, joint)| is_light(joint) && stiffness.acts_on((i, joint))));
+    let bends = |i: usize| start[i] < start[i + 1] && !is_stiff[i];
+    let mut arcs = Arcs { model, state, after: vec![] };
+    for (i, joint) in model.joints.iter().enumerate().filter(|(i, _)| bends(*i)) {
+        let motion = joint.bodies.map(|b| state.twist(b as usize));
+        if turns(joint, motion, model.step) {
+            let of_joint = start[i] as usize..start[i + 1] as usize;
+            for (k, now) in of_joint.clone().zip(arcs.of(i, &rows[of_joint], motion)) {
+                arc[k] = now;
+                bias[k] += now;
+            }
         }
     }
 }
@@ -68,20 +87,25 @@ pub fn follow(
         bodies.map(|b| masses.energy::<false>(b, &response.twist[b])).sum()
     };
     let (before, mut made) = (energy(response), vec![]);
+    let (mut last, mut is_wild) = (f64::INFINITY, false);
     for _ in 0..MOST {
-        if !arcs.change(&free, (joints, start), response, &mut changes) {
+        let change = arcs.change(&free, (joints, start), response, &mut changes);
+        is_wild |= change > SLOWER * last;
+        if change == 0.0 || is_wild {
             break;
         }
+        last = change;
         joints.bend(&changes, 1.0);
         joints.solve(masses, response);
         made.append(&mut changes);
     }
-    if energy(response) > GROWN * before {
+    if is_wild || energy(response) > GROWN * before {
         joints.bend(&made, -1.0);
         joints.solve(masses, response);
         held.extend(&free);
     }
-    if !arcs.change(&held, (joints, start), response, &mut changes) {
+    held.retain(|i| !joints.is_stiff[*i]);
+    if arcs.change(&held, (joints, start), response, &mut changes) == 0.0 {
         changes.clear();
     }
     changes
@@ -103,14 +127,15 @@ struct Arcs<'a> {
 }
 
 impl Arcs<'_> {
-    /// List the rows of some joints, and how their arcs change with the motion of a response, m/s or rad/s. Returns whether they do.
+    /// List the rows of some joints, and how their arcs change with the motion of a response, m/s or rad/s. Returns the greatest change, or 0
+    /// where they are the same.
     fn change(
         &mut self,
         of: &[usize],
         (joints, start): (&Joints, &[u32]),
         response: &Response,
         changes: &mut Vec<(usize, f64)>,
-    ) -> bool {
+    ) -> f64 {
         let (mut greatest, mut change) = (0.0f64, 0.0f64);
         changes.clear();
         for i in of {
@@ -122,7 +147,7 @@ impl Arcs<'_> {
                 change = change.max((now - joints.arc[k]).abs());
             }
         }
-        change > SAME * greatest
+        if change > SAME * greatest { change } else { 0.0 }
     }
 
     /// The arcs of joint `i`, whose rows are `rows`, of the motion of its bodies, m/s or rad/s.

@@ -65,7 +65,6 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
     start.clear();
     joints.rows.clear();
     joints.bias.clear();
-    joints.arc.clear();
     *limits = Limits::default();
     let frames: Vec<Option<Frames>> =
         model.joints.iter().map(|joint| joint_acts(state, joint).then(|| state.joint_frames(joint))).collect();
@@ -76,7 +75,6 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
         joint.rows(f, &state.joints[i], end, &mut joints.rows);
         let bound = model.solver.recovery_speed.max(1.0);
         joints.bias.extend(joints.rows[first..].iter().map(|r| (r.psi / h).clamp(-bound / h, bound / h) - r.rate));
-        arcs::predict(model, state, i, first, joints);
         let limits_of = joint.limits.filter(|_| joint.locked_at().is_none());
         if let (Some([min, max]), Some(c)) = (limits_of, joint.kind.coordinate()) {
             let at = joint.coordinate(f, &state.joints[i]);
@@ -122,6 +120,7 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
     if is_stiff || state.steps == 0 {
         follow((model, state, &frames), &mut stiffness, start, Target { masses, free, joints });
     }
+    arcs::predict(model, state, start, &stiffness, joints);
 }
 
 /// Let the stiffness follow the forces of the step itself, as they are without contacts.

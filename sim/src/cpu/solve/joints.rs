@@ -31,8 +31,10 @@ pub struct Joints {
     pub rows: Vec<Row>,
     /// `Ψ/h + ∂Ψ/∂t` and the terms of springs, m/s or rad/s (n_rows).
     pub bias: Vec<f64>,
-    /// The part of the bias that arcs have, of the rows of joints.
+    /// The part of the bias that arcs have (n_rows).
     pub arc: Vec<f64>,
+    /// Whether geometric stiffness acts on a joint or its bodies (n_joints).
+    pub is_stiff: Vec<bool>,
     /// Whether a body has rows (n_bodies).
     is_held: Vec<bool>,
     /// The lowest of the moving bodies that rows couple with a body (n_bodies).
