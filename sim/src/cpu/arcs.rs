@@ -25,6 +25,9 @@ const LIGHT: f64 = 300.0;
 /// Change of an arc, over the greatest arc, up to which it is the same.
 const SAME: f64 = 1e-4;
 
+/// What the greatest arc moves a body by in a step, m or rad, below which it counts as this.
+const SHORT: f64 = 1e-6;
+
 /// The energy of links over that with the arcs as predicted from which on these are not followed: links that pass a straight line would be thrown.
 const GROWN: f64 = 1.02;
 
@@ -136,7 +139,7 @@ impl Arcs<'_> {
         response: &Response,
         changes: &mut Vec<(usize, f64)>,
     ) -> f64 {
-        let (mut greatest, mut change) = (0.0f64, 0.0f64);
+        let (mut greatest, mut change) = (SHORT / self.model.step, 0.0f64);
         changes.clear();
         for i in of {
             let rows = start[*i] as usize..start[i + 1] as usize;
