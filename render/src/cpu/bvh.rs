@@ -32,6 +32,8 @@ pub enum Occluder {
 /// How far beside a triangle of a solid or of a curved surface, in parts of it, a ray still meets it: what rounding makes of a corner, so
 /// that nothing gets through between neighbours.
 const BESIDE: f32 = 1e-5;
+/// The same of a flat surface: a ray through its very edge meets it, wherever rounding puts the two.
+const BESIDE_FLAT: f32 = 1e-6;
 
 /// What rounding makes of places on two surfaces that touch, in parts of their coordinates.
 const ROUNDING: f32 = 4e-6;
@@ -354,7 +356,7 @@ impl Bvh {
             Occluder::Triangle { room: None, .. } if own => None,
             Occluder::Triangle { corners, room } => {
                 let near = near_start(own, room, edges_of(corners), from, bias);
-                let beside = if room.is_some() { BESIDE } else { 0.0 };
+                let beside = if room.is_some() { BESIDE } else { BESIDE_FLAT };
                 meet_triangle(&Sight::new(from, dir), corners, beside).map(|(t, _)| t).filter(|t| *t > near.max(least))
             }
         }
@@ -388,7 +390,7 @@ impl Bvh {
                 }
             }
             Occluder::Triangle { corners, room } => {
-                let beside = if room.is_some() { BESIDE } else { 0.0 };
+                let beside = if room.is_some() { BESIDE } else { BESIDE_FLAT };
                 !(own && room.is_none())
                     && meet_triangle(&Sight::new(from, dir), corners, beside)
                         .is_some_and(|(t, _)| t < length && t > near_start(own, room, edges_of(corners), from, bias))
