@@ -2,6 +2,7 @@
 
 mod workers;
 
+use crate::arrivals::EndedEarly;
 use crate::batch::movie_images;
 use crate::device::Drawer;
 use crate::displays::{context, report_statistics, write, written};
@@ -14,8 +15,10 @@ use crate::overlay::{Overlay, Prepared};
 use crate::progress::Progress;
 use crate::ranges;
 use crate::report::{Exit, Failure, Outcome, Printed};
+use bind::data::{Source, Store};
 use bind::emit::Missing;
 use bind::{Moment, emit};
+use frame::run::RunReader;
 use frame::{Fault, FaultKind, Frame, list};
 use render::film::bucket::Shard;
 use render::ri::imprint::Imprint;
@@ -25,8 +28,8 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Render the images of a job, or a shard of each, but for those that are up to date; the frames whose data cannot be drawn are
-/// returned.
+/// Render the images of a job, or a shard of each, but for those that are up to date, each as soon as its frame is there; the frames whose
+/// data cannot be drawn are returned.
 pub fn render(
     job: &mut ImageJob,
     shard: Option<Shard>,
@@ -116,7 +119,7 @@ fn render_pass(
     let claims = ledger.claims();
     let progress = Progress::start("rendering", n as u64, "frames");
     let work = Work::new(job, shard, statistics)?;
-    let workers = Workers::new(drawer, n)?;
+    let workers = Workers::new(drawer, n, job.arrivals.is_some())?;
     let drawer = Mutex::new(drawer);
     let mut pass = Pass {
         tally: Tally::default(),
@@ -130,12 +133,13 @@ fn render_pass(
     while !frames.is_empty() {
         let mut busy = vec![];
         let begin = |frame: u64| {
+            let source = work.source_with(frame)?;
             let file = work.file(frame);
-            let claim = claims.claim(&file)?;
-            Some(Begun { _claim: claim, drawn: work.drawn(frame, &file, &drawer), file })
+            let Some(claim) = claims.claim(&file) else { return Ok(None) };
+            Ok(Some(Begun { _claim: claim, drawn: work.drawn(frame, &file, &source, &drawer), file }))
         };
-        let end = |frame: u64, begun: Option<Begun<'_>>| {
-            let Some(Begun { _claim, drawn, file }) = begun else {
+        let end = |frame: u64, begun: Result<Option<Begun<'_>>, EndedEarly>| {
+            let Some(Begun { _claim, drawn, file }) = begun.map_err(|_| ended_early(done, n))? else {
                 busy.push(frame);
                 return Ok(());
             };
@@ -167,6 +171,11 @@ fn render_pass(
     work.check_others(&pass.made)?;
     let drawer = drawer.into_inner().unwrap_or_else(PoisonError::into_inner);
     job.passes.iter().try_for_each(|pass| render_pass(pass, (shard, statistics), drawer, failed, printed))
+}
+
+/// Why no more images are drawn of a simulation that has ended before its run was whole.
+fn ended_early(done: u64, n: usize) -> Failure {
+    Failure::new(Exit::Interrupted, format!("{done} of {n} images are done, and stay"))
 }
 
 /// What has come of the images of a pass so far, in the order of their frames.
@@ -201,6 +210,8 @@ fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
 /// The images of a pass as they are drawn, by several threads.
 struct Work<'a> {
     job: &'a ImageJob,
+    /// The data, with the frames that have arrived.
+    source: Mutex<Arc<Source>>,
     shard: Option<Shard>,
     statistics: Statistics,
     ledger: Ledger,
@@ -236,7 +247,25 @@ impl<'a> Work<'a> {
     fn new(job: &'a ImageJob, shard: Option<Shard>, statistics: Statistics) -> Outcome<Work<'a>> {
         let ledger = Ledger::made_from(&job.folder, &job.binding.folder());
         let overlays = Prepared::find(&job.binding, &job.source)?;
-        Ok(Work { job, shard, statistics, ledger, hashes: Mutex::default(), overlays })
+        let source = Mutex::new(Arc::new(job.source.clone()));
+        Ok(Work { job, source, shard, statistics, ledger, hashes: Mutex::default(), overlays })
+    }
+
+    /// The data, once it has a frame. A run that cannot be read has those that it had.
+    ///
+    /// # Errors
+    /// The simulation has ended before.
+    fn source_with(&self, frame: u64) -> Result<Arc<Source>, EndedEarly> {
+        let Some(arrivals) = &self.job.arrivals else { return Ok(locked(&self.source).clone()) };
+        arrivals.wait(frame)?;
+        let mut source = locked(&self.source);
+        if let Store::Run(run) = &source.store
+            && !run.has(frame)
+            && let Ok(run) = RunReader::open(&run.folder)
+        {
+            *source = Arc::new(source.grown(run));
+        }
+        Ok(source.clone())
     }
 
     fn hashes(&self) -> MutexGuard<'_, Hashes> {
@@ -251,13 +280,13 @@ impl<'a> Work<'a> {
 
     /// Render a frame, unless its image is up to date. The files that this reads, and those that [`Work::finish`] does, are in the trace of
     /// the thread.
-    fn drawn(&self, frame: u64, file: &str, drawer: &Mutex<&mut Drawer>) -> Outcome<Drawn> {
+    fn drawn(&self, frame: u64, file: &str, source: &Source, drawer: &Mutex<&mut Drawer>) -> Outcome<Drawn> {
         let started = Instant::now();
-        let table = self.job.source.shared(frame)?;
+        let table = source.shared(frame)?;
         // The metadata fits the data's first frame: a column that this one lacks is missing in the data.
         self.job.binding.check_columns(&table).map_err(|fault| Fault { kind: FaultKind::Data, ..fault })?;
         let about = self.about(&table);
-        let moment = Moment::of(&self.job.binding, &self.job.source, &table)?;
+        let moment = Moment::of(&self.job.binding, source, &table)?;
         let imprint = self.imprint(&moment, &about)?;
         let whole = self.job.image(frame).file_name().unwrap_or_default().to_string_lossy().into_owned();
         let standing = if self.job.redraw { Standing::Changed } else { self.standing(file, &whole, &imprint) };
@@ -392,7 +421,7 @@ pub fn check_lost(job: &ImageJob) -> Outcome {
 
 /// Say which frames are missing between those of the data, and which images are of frames that it does not have.
 fn say_gaps(job: &ImageJob) {
-    let numbers = job.source.numbers();
+    let numbers = if job.arrivals.is_some() { job.source.expected() } else { job.source.numbers() };
     if let Some(gaps) = list::describe_gaps(&numbers) {
         eprintln!("warning: {gaps}: a movie jumps over them");
     }

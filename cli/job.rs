@@ -34,7 +34,7 @@ pub use doctor::DoctorJob;
 pub use export::ExportJob;
 pub use film::{FilmJob, PlanJob, StatusJob, TaskJob, combination, images_made_of, images_of, open_combinations};
 pub use frames::{FramesJob, Origin};
-pub use images::{ImageJob, ImageOptions};
+pub use images::{ImageJob, ImageOptions, frames};
 pub use init::{InitJob, Starter};
 pub use inspect::{InspectJob, Suggestion};
 pub use movie::{MovieFile, MovieJob, MovieKind};

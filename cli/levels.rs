@@ -6,7 +6,6 @@ use bind::binding::{BLACK, Binding, Quality, WHITE};
 use bind::data::Source;
 use bind::{Moment, emit};
 use render::ri::files::Files;
-use std::collections::BTreeSet;
 
 /// The longer side of the images that are measured, pixels, and that of a draft's.
 const SIDE: [u32; 2] = [240, 160];
@@ -33,9 +32,9 @@ pub fn settle(binding: &mut Binding, source: &Source, files: &Files) {
         return;
     }
     // Of the frames that there will be, so that one that is lost and comes again changes nothing.
-    let numbers: BTreeSet<u64> = source.numbers().into_iter().chain(source.missing()).collect();
+    let numbers = source.expected();
     let draft = binding.output.quality == Quality::Draft;
-    let [first, middle, last] = [0, numbers.len() / 2, numbers.len().saturating_sub(1)].map(|k| numbers.iter().nth(k));
+    let [first, middle, last] = [0, numbers.len() / 2, numbers.len().saturating_sub(1)].map(|k| numbers.get(k));
     let mut chosen: Vec<u64> =
         if draft { vec![first] } else { vec![first, middle, last] }.into_iter().flatten().copied().collect();
     chosen.dedup();

@@ -8,12 +8,14 @@
 mod print;
 
 mod args;
+mod arrivals;
 mod batch;
 mod bench;
 mod check;
 mod device;
 mod displays;
 mod doctor;
+mod drawing;
 mod export;
 mod failed;
 mod geometry;

@@ -1,5 +1,6 @@
 //! Runs of models: simulated, with their progress shown and their metadata written beside them.
 
+use crate::arrivals::Arrivals;
 use crate::geometry;
 use crate::interrupt::Listener;
 use crate::job::{FramesJob, ModelRun, Origin};
@@ -19,10 +20,10 @@ use sim::watch::{Warning, WarningKind};
 use sim::{FrictionLaw, Simulation, checkpoint};
 use std::path::Path;
 
-/// Simulate a model, and show the progress.
-pub fn simulate(job: ModelRun) -> Outcome {
+/// Simulate a model, and show the progress; whoever waits for its frames is told as they arrive.
+pub fn simulate(job: ModelRun, onward: Onward, arrivals: Option<&Arrivals>) -> Outcome {
     let ModelRun { file, resolved, folder, span, computer } = job;
-    let place = |e| failure(e, &folder);
+    let place = |e| failure(e, &folder, onward);
     computer.check(&file).map_err(place)?;
     for warning in &resolved.warnings {
         eprintln!("warning: {warning}");
@@ -45,14 +46,23 @@ pub fn simulate(job: ModelRun) -> Outcome {
     say_what_is_there(&file, &folder, span.resume)?;
     note_command(&folder, span.resume)?;
     let up = Up::against(resolved.model.gravity.to_array());
-    let mut console = Console { progress: None, interruption: Listener::new(), up };
+    let mut console = Console { progress: None, interruption: Listener::new(), up, arrivals };
     guard::memory::doing("simulating into", &folder);
     let done = machine::with_all_memory(|| run::simulate(&file, resolved, &folder, (&span, &computer), &mut console));
     done.map_err(place)
 }
 
+/// How a simulation goes on that was interrupted.
+#[derive(Clone, Copy)]
+pub enum Onward {
+    /// By the command with `--resume`.
+    Resume,
+    /// By the same command.
+    Again,
+}
+
 /// The error that ends a run into a folder, for the user.
-fn failure(error: RunError, folder: &Path) -> Failure {
+fn failure(error: RunError, folder: &Path, onward: Onward) -> Failure {
     match error {
         RunError::Fault(fault) => fault.into(),
         RunError::Diverged(why) => Failure::new(Exit::Data, why),
@@ -65,10 +75,14 @@ fn failure(error: RunError, folder: &Path) -> Failure {
             Exit::Usage,
             format!("{why}\n  = --backend gpu or auto takes an adapter; without it leave `gpu_from` out"),
         ),
-        RunError::Interrupted(time) => Failure::new(
-            Exit::Interrupted,
-            format!("interrupted at {time:.6} s; {} has a checkpoint: continue with --resume", folder.display()),
-        ),
+        RunError::Interrupted(time) => {
+            let way = match onward {
+                Onward::Resume => "continue with --resume",
+                Onward::Again => "the same command goes on",
+            };
+            let message = format!("interrupted at {time:.6} s; {} has a checkpoint: {way}", folder.display());
+            Failure::new(Exit::Interrupted, message)
+        }
     }
 }
 
@@ -120,7 +134,7 @@ pub fn provide(job: FramesJob) -> Outcome<(Binding, Source)> {
             of_run()?
         }
         Origin::Model(model) => {
-            simulate(*model)?;
+            simulate(*model, Onward::Again, None)?;
             of_run()?
         }
     };
@@ -152,14 +166,16 @@ pub fn check_warnings(folder: &Path) -> Outcome {
 }
 
 /// Shows the progress of a run, and writes what rendering it needs: shapes as RIB archives and a metadata file.
-struct Console {
+struct Console<'a> {
     progress: Option<Progress>,
     interruption: Listener,
     /// The axis that points up.
     up: Up,
+    /// Who waits for frames.
+    arrivals: Option<&'a Arrivals>,
 }
 
-impl Observer for Console {
+impl Observer for Console<'_> {
     fn begin(&mut self, sim: &Simulation, first: &Frame, writer: &mut RunWriter) -> Result<(), Fault> {
         geometry::write_archives(&sim.model, writer.folder())?;
         write_metadata(std::slice::from_ref(first), self.up, writer).map(|_| ())
@@ -167,6 +183,7 @@ impl Observer for Console {
 
     fn resume(&mut self, checkpoint: &Path, time: f64, there: u64, expected: u64) {
         eprintln!("resume: from {} at {time:.4} s, {there} of {expected} frames exist", checkpoint.display());
+        self.arrivals.iter().for_each(|arrivals| arrivals.written(there));
     }
 
     fn fall_back(&mut self, why: &str) {
@@ -179,6 +196,7 @@ impl Observer for Console {
 
     fn frame(&mut self, done: u64) {
         self.progress.iter().for_each(|p| p.at(done));
+        self.arrivals.iter().for_each(|arrivals| arrivals.written(done));
     }
 
     fn warn(&mut self, warning: &Warning) {

@@ -1,6 +1,7 @@
 //! Printing that goes on where nobody reads, and in which names from files only stand there: the command's own `println` and
-//! `eprintln`.
+//! `eprintln`, whose lines stay above the bars of what is going on.
 
+use indicatif::MultiProgress;
 use std::io::IsTerminal;
 use std::sync::OnceLock;
 
@@ -12,7 +13,8 @@ macro_rules! eprintln {
         let text = format!($($part)*);
         let text = guard::text::message(&text);
         let text = guard::text::terminal(&text);
-        let _ = writeln!(std::io::stderr(), "{}", crate::print::painted(&text, crate::print::has_colors()));
+        let text = crate::print::painted(&text, crate::print::has_colors());
+        crate::print::above_bars(|| drop(writeln!(std::io::stderr(), "{text}")));
     }};
 }
 
@@ -20,8 +22,26 @@ macro_rules! eprintln {
 macro_rules! println {
     ($($part:tt)*) => {{
         use std::io::Write as _;
-        let _ = writeln!(std::io::stdout(), "{}", guard::text::terminal(&format!($($part)*)));
+        let text = format!($($part)*);
+        let text = guard::text::terminal(&text);
+        crate::print::above_bars(|| drop(writeln!(std::io::stdout(), "{text}")));
     }};
+}
+
+/// The bars on the terminal, if there have been any.
+static BARS: OnceLock<MultiProgress> = OnceLock::new();
+
+/// The bars on the terminal, one below the other.
+pub fn bars() -> &'static MultiProgress {
+    BARS.get_or_init(MultiProgress::new)
+}
+
+/// Write a line where it stays above the bars.
+pub fn above_bars(write: impl FnOnce()) {
+    match BARS.get() {
+        Some(bars) => bars.suspend(write),
+        None => write(),
+    }
 }
 
 /// Whether standard error shows colours: it is a terminal that has them, and its user wants them (<https://no-color.org>).

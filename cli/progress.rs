@@ -1,5 +1,6 @@
-//! Progress on standard error: a bar on a terminal, elsewhere a line every ten seconds.
+//! Progress on standard error: a bar on a terminal, elsewhere a line every ten seconds. Of work that goes on side by side each has a bar.
 
+use crate::print;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::Mutex;
@@ -25,9 +26,12 @@ impl Progress {
             let style = ProgressStyle::with_template(&format!(
                 "{{msg:>12}} [{{bar:32}}] {{pos}}/{{len}} {unit}  {{elapsed}} elapsed, {{eta}} left"
             ));
-            ProgressBar::new(total)
+            let bar = ProgressBar::new(total)
                 .with_style(style.unwrap_or(ProgressStyle::default_bar()).progress_chars("=> "))
-                .with_message(task.to_string())
+                .with_message(task.to_string());
+            let bar = print::bars().add(bar);
+            bar.tick();
+            bar
         });
         if bar.is_none() {
             eprintln!("{task}: 0 of {total} {unit}");
@@ -55,12 +59,13 @@ impl Progress {
         }
     }
 
-    /// Show that all steps are done.
+    /// Show that all steps are done: what stays is a line.
     pub fn finish(&self) {
         let seconds = self.started.elapsed().as_secs_f64();
-        match &self.bar {
-            Some(bar) => bar.finish(),
-            None => eprintln!("{}: done in {seconds:.1} s", self.task),
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+            print::bars().remove(bar);
         }
+        eprintln!("{}: done in {seconds:.1} s", self.task);
     }
 }

@@ -52,7 +52,10 @@ pub fn of_data(binding: &mut Binding, source: &Source, kept: Option<&Path>) -> O
     if !binding.is_open() {
         return Ok(());
     }
-    let (found, before) = scan(binding, source, kept)?;
+    let (found, before) = match binding.depends_on_values() {
+        true => scan(binding, source, kept)?,
+        false => Default::default(),
+    };
     settle_camera(binding, source, &found);
     let n = binding.objects.len();
     for i in 0..n {
@@ -114,9 +117,9 @@ fn short([lo, hi]: [f64; 2]) -> [f64; 2] {
 
 /// Settle the way of the camera, over the frames of the data and those that it will have.
 fn settle_camera(binding: &mut Binding, source: &Source, found: &Found) {
-    let numbers: Vec<u64> = source.numbers().into_iter().chain(source.missing()).collect();
+    let numbers = source.expected();
     if let (Some(Camera::Placed(camera)), Some(first), Some(last)) =
-        (&mut binding.camera, numbers.iter().min(), numbers.iter().max())
+        (&mut binding.camera, numbers.first(), numbers.last())
     {
         camera.settle([*first, *last], &found.followed);
     }

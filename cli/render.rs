@@ -1,13 +1,12 @@
 //! `scree render`: frames or a RIB scene → images.
 
-use crate::batch::MadeOf;
 use crate::device::Drawer;
 use crate::displays::{context, report_statistics, write, written};
-use crate::job::{ImageJob, RenderFrames, RenderJob, RenderScene};
-use crate::ledger::Ledger;
+use crate::drawing::{self, Drawing};
+use crate::images;
+use crate::job::{RenderFrames, RenderJob, RenderScene};
 use crate::progress::Progress;
 use crate::report::{Exit, Failure, Outcome, Printed};
-use crate::{images, model_run};
 use bind::emit;
 use render::DrawnBy;
 use render::film::display;
@@ -24,13 +23,10 @@ pub fn run(job: RenderJob) -> Outcome {
 }
 
 fn frames(job: RenderFrames) -> Outcome {
-    let (input, home) = (job.frames.input.clone(), job.frames.home.clone());
-    let (binding, source) = model_run::provide(job.frames)?;
-    let mut image_job = ImageJob::resolve(binding, source, job.folder, &job.options)?;
-    let mut drawer = Drawer::new(job.on).within(job.gpu_memory);
-    let frames = (&image_job.frames[..], image_job.is_all);
-    MadeOf::write(&Ledger::of(&image_job.folder), (&input, &home), job.options.choices, frames)?;
-    let failed = images::render(&mut image_job, job.shard, job.statistics, &mut drawer)?;
+    let RenderFrames { frames, folder, options, shard, statistics, on, gpu_memory } = job;
+    let mut drawer = Drawer::new(on).within(gpu_memory);
+    let how = Drawing { folder, options: &options, shard, statistics };
+    let (image_job, failed) = drawing::draw(frames, how, &mut drawer)?;
     if failed.len() < image_job.frames.len() {
         println!("{}", image_job.folder.display());
         image_job.passes.iter().for_each(|pass| println!("{}", pass.folder.display()));

@@ -1,22 +1,18 @@
 //! `scree run`: from a model or a metadata file to a movie.
 
-use crate::batch::MadeOf;
 use crate::device::Drawer;
+use crate::drawing::{self, Drawing};
 use crate::job::{ImageJob, MovieFile, Origin, RunJob, Statistics};
-use crate::ledger::Ledger;
 use crate::report::Outcome;
 use crate::{images, model_run, movie};
 use std::path::PathBuf;
 
 /// Run `scree run`.
 pub fn run(job: RunJob) -> Outcome {
-    let (input, home) = (job.frames.input.clone(), job.frames.home.clone());
+    let home = job.frames.home.clone();
     let is_simulated = !matches!(job.frames.origin, Origin::Data(_));
-    let (binding, source) = model_run::provide(job.frames)?;
-    let mut images = ImageJob::resolve(binding, source, job.images, &job.options)?;
-    let frames = (&images.frames[..], images.is_all);
-    MadeOf::write(&Ledger::of(&images.folder), (&input, &home), job.options.choices, frames)?;
-    let failed = images::render(&mut images, None, Statistics::default(), &mut Drawer::new(job.on))?;
+    let how = Drawing { folder: job.images, options: &job.options, shard: None, statistics: Statistics::default() };
+    let (images, failed) = drawing::draw(job.frames, how, &mut Drawer::new(job.on))?;
     let n = images.frames.len();
     if failed.len() < n {
         println!("images: {} in {}", n - failed.len(), images.folder.display());

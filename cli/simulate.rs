@@ -1,7 +1,7 @@
 //! `scree simulate`: a model → a run directory, or one for each combination of a model with a `sweep`.
 
 use crate::job::{ModelRun, Plan, SimulateJob, Sweep, SweepJob};
-use crate::model_run;
+use crate::model_run::{self, Onward};
 use crate::preview;
 use crate::report::{Exit, Failure, Outcome};
 use frame::run::RunReader;
@@ -15,7 +15,7 @@ pub fn run(job: SimulateJob) -> Outcome {
             if preview && let Err(failure) = preview::start(&folder) {
                 eprintln!("warning: there is no preview: {failure}");
             }
-            model_run::simulate(*run)?;
+            model_run::simulate(*run, Onward::Resume, None)?;
             println!("{}", folder.display());
             model_run::check_warnings(&folder)
         }
@@ -40,7 +40,8 @@ fn sweep(job: Sweep) -> Outcome {
                 span.resume = false;
             }
             let (goal, computer) = (folder.clone(), job.computer.clone());
-            model_run::simulate(ModelRun { file: case.file, resolved, folder: goal, span, computer })?;
+            let run = ModelRun { file: case.file, resolved, folder: goal, span, computer };
+            model_run::simulate(run, Onward::Resume, None)?;
             println!("{}", folder.display());
         }
         warnings.extend(model_run::check_warnings(&folder).err());

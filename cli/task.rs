@@ -5,8 +5,9 @@ use crate::device::Drawer;
 use crate::displays::written;
 use crate::job::{DrawOn, ImageJob, ModelRun, MovieFile, Statistics, TaskJob, combination, images_of, replacements};
 use crate::ledger::{Ledger, Standing};
+use crate::model_run::{self, Onward};
 use crate::report::{Exit, Failure, Outcome};
-use crate::{images, model_run, ranges, run, simulate, stitch};
+use crate::{images, ranges, run, simulate, stitch};
 use frame::run::RunReader;
 use render::film::bucket::Shard;
 use sim::model_file;
@@ -45,7 +46,8 @@ fn simulate_to(plan: &Plan, i: usize) -> Outcome {
         eprintln!("warning: frames of {} are lost or damaged: it is simulated again", plan.home.display());
     }
     let span = Span { until: (!is_last).then_some(simulation.until[i]), resume: is_whole };
-    model_run::simulate(ModelRun { file, resolved, folder: plan.home.clone(), span, computer: Default::default() })?;
+    let run = ModelRun { file, resolved, folder: plan.home.clone(), span, computer: Default::default() };
+    model_run::simulate(run, Onward::Again, None)?;
     if is_last && !plan.frames.is_empty() {
         // Once here, rather than by each task that draws.
         ranges::settle(&mut images_of(plan, &plan.frames)?)?;

@@ -3,6 +3,7 @@
 use crate::cli::{scratch, scree};
 use crate::devices::has_adapter;
 use crate::rendering::ON_DEVICE;
+use std::collections::BTreeSet;
 
 const CAMERA: &str =
     "Format 96 72 1 PixelSamples 4 4 PixelFilter \"gaussian\" 2 2 Projection \"perspective\" \"fov\" 45
@@ -44,10 +45,57 @@ fn scree_render_draws_on_a_device() {
     answer.ok();
     let answer = scree(&["render", scene.to_str().unwrap(), "-o", &out, "--backend", "gpu", "--adapter", "nobody's"]);
     assert!(answer.fails(2).contains("nobody's"));
+    let answer = scree(&["render", scene.to_str().unwrap(), "-o", &out, "--backend", "gpu", "--adapter", ""]);
+    assert!(answer.fails(2).contains("expected the index of an adapter or a part of its name"), "{}", answer.errors());
     let answer = scree(&["render", scene.to_str().unwrap(), "-o", &out, "--backend", "cpu", "--gpu-memory", "1GiB"]);
     assert!(answer.fails(2).contains("--gpu-memory"));
     let answer = scree(&["render", scene.to_str().unwrap(), "-o", &out, "--adapter", "0"]);
     assert!(answer.fails(2).contains("--backend gpu"));
+}
+
+/// Of what a shader asks in vain, both back ends say the same: the place of the primitive, and that in the shader.
+#[test]
+fn what_a_shader_asks_in_vain_is_said_with_both_places_on_a_device() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = scratch();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let shader = "surface t() { Oi = 1;
+ float n = 1; float x[2] = {1, 1};
+ Ci = texture(\"no.png\") + color(transform(\"nosuch\", P));
+ Ci += texture(\"\", s, t, \"foo\", 1) + environment(\"none.png\", N);
+ textureinfo(\"lost.png\", \"channels\", n);
+ Ci += n * float texture(\"no.png\", s, t); }";
+    std::fs::write(at("t.sl"), shader).unwrap();
+    let scene = format!(
+        "Display \"t.png\" \"png\" \"rgb\"\n{CAMERA}WorldBegin\nSurface \"t\"\n Sphere 1 -1 1 360\n Disk 0 2 360\nWorldEnd\n"
+    );
+    std::fs::write(at("t.rib"), scene).unwrap();
+    let said = |more: &[&str]| {
+        let answer = scree(&[&["render", &at("t.rib"), "-o", &at("")], more].concat());
+        answer.ok();
+        let warnings =
+            |errors: String| errors.lines().filter(|line| line.starts_with("warning")).map(String::from).collect();
+        (warnings(answer.errors()), answer.errors())
+    };
+    let (own, errors): (BTreeSet<String>, String) = said(&["--backend", "gpu", "--adapter", "0"]);
+    let (others, _): (BTreeSet<String>, String) = said(&["--backend", "cpu"]);
+    assert!(!errors.contains("the processor has drawn"), "{errors}");
+    for (line, what) in [
+        (3, "texture `no.png` cannot be read and is black"),
+        (3, "names the unknown space `nosuch`"),
+        (4, "has the unknown option `foo`"),
+        (4, "texture `none.png` cannot be read and is black"),
+        (5, "texture `lost.png` cannot be read"),
+    ] {
+        let place = format!("t.sl:{line}:");
+        let is_it = |said: &&String| said.contains("t.rib:6:2: ") && said.contains(&place) && said.contains(what);
+        assert!(own.iter().any(|said| is_it(&said)), "{what}: {errors}");
+        assert!(others.iter().any(|said| is_it(&said)), "{what}: {others:#?}");
+    }
+    // The processor also says the other places of one that is asked for at several.
+    assert!(own.is_subset(&others), "{own:#?} {others:#?}");
 }
 
 /// The benchmark compares both back ends.

@@ -1,5 +1,6 @@
 //! The one test binary: each file of `tests/` is a module of it.
 
+mod along;
 mod analytic;
 mod backends;
 mod blur;

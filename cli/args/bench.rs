@@ -1,7 +1,7 @@
 //! Arguments of `scree bench`.
 
 use super::simulate::{Friction, Method, Quality};
-use super::value::{Backend, Resolution, index, number, positive, resolution, whole};
+use super::value::{Backend, Resolution, index, number, positive, resolution, size, whole};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -91,6 +91,10 @@ pub struct BenchRenderArgs {
     /// part of its name [default: the first that is no software adapter].
     #[arg(long, value_name = "TEXT")]
     pub adapter: Option<String>,
+    /// The most memory that the image takes of the graphics adapter, as 2GiB, at
+    /// least 64MiB [default: what it needs].
+    #[arg(long, value_name = "SIZE", value_parser = size)]
+    pub gpu_memory: Option<u64>,
     /// Draw the same with this back end, too, and compare samples and pixels.
     #[arg(long, value_name = "BACKEND")]
     pub compare: Option<Comparison>,

@@ -17,7 +17,7 @@ use std::time::Instant;
 
 /// Render the bed and measure it.
 pub fn measure(job: &RenderBench) -> Outcome<serde_json::Value> {
-    let device = Drawer::new(job.on.clone()).device()?;
+    let device = Drawer::new(job.on.clone()).within(job.gpu_memory).device()?;
     let (mut frames, mut last) = (vec![], None);
     for k in 0..job.frames {
         let (cpu, wall) = (cpu_seconds(), Instant::now());

@@ -1,5 +1,6 @@
 //! The threads that draw the frames of a film. What a device draws leaves the processor time, so that several frames are in flight there: one is
-//! made ready while another is drawn and a third is written. What the processor draws takes all of it, and goes frame by frame.
+//! made ready while another is drawn and a third is written. What the processor draws takes all of it, and goes frame by frame. Beside a
+//! simulation these are threads of their own, so that none of its work waits behind theirs.
 
 use crate::device::Drawer;
 use crate::report::{Exit, Failure, Outcome};
@@ -35,11 +36,11 @@ struct Shared<E> {
 }
 
 impl Workers {
-    /// Those for a number of frames.
-    pub fn new(drawer: &Drawer, n_frames: usize) -> Outcome<Workers> {
+    /// Those for a number of frames, which may be drawn beside a simulation.
+    pub fn new(drawer: &Drawer, n_frames: usize, beside_simulation: bool) -> Outcome<Workers> {
         let n_threads = rayon::current_num_threads();
         let n = if drawer.may_be_device() { (n_threads / THREADS).clamp(2, MOST).min(n_frames) } else { 1 };
-        Workers::of(if n > 1 { n } else { 0 }, n_threads)
+        Workers::of(if n > 1 || beside_simulation { n } else { 0 }, n_threads)
     }
 
     fn of(n: usize, n_threads: usize) -> Outcome<Workers> {

@@ -56,6 +56,8 @@ pub struct RenderBench {
     pub image: Option<PathBuf>,
     /// What draws.
     pub on: DrawOn,
+    /// The most memory that is taken of a graphics adapter, bytes, if there is a limit.
+    pub gpu_memory: Option<u64>,
     /// Whether the processor draws the same, too, for a comparison.
     pub compares: bool,
 }
@@ -151,8 +153,9 @@ fn settle(args: &BenchSimArgs, solver: &mut SolverSettings) {
 
 fn render_bench(args: BenchRenderArgs) -> Outcome<RenderBench> {
     let on = DrawOn::check(args.backend, args.adapter)?;
+    let gpu_memory = on.memory(args.gpu_memory)?;
     let BenchRenderArgs { n, motion, sky, f_stop, shading_rate, res, frames, image, compare, .. } = args;
     let compares = matches!(compare, Some(args::Comparison::Cpu));
     let (n, frames) = (n.max(1), frames.max(1));
-    Ok(RenderBench { n, motion, sky, f_stop, shading_rate, resolution: res, frames, image, on, compares })
+    Ok(RenderBench { n, motion, sky, f_stop, shading_rate, resolution: res, frames, image, on, gpu_memory, compares })
 }

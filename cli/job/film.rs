@@ -314,12 +314,13 @@ fn simulation(
         Some(list) => list.select(&all).map_err(|m| Failure::new(Exit::Usage, format!("--frames: {m}")))?,
         None => all,
     };
-    let files = |binding: &Binding| binding.files(library::files(&binding.folder()));
-    let is_settled =
-        binding.is_some_and(|binding| !binding.is_open() && !emit::levels_are_open(binding, &files(binding)));
+    // Each segment knows the frames up to its own end alone.
+    let is_settled = binding.is_some_and(|binding| {
+        !binding.is_open() && emit::open_keys(binding, &binding.files(library::files(&binding.folder()))).is_empty()
+    });
     if cut.segments > 1 && !is_settled {
         let message = "--segments: images can be drawn before the simulation has ended only by a metadata file whose colours \
-                       have a `range`, its arrows a `scale`, its output `levels`, and whose camera has neither `turns` nor `damping`: these are found from the whole run otherwise";
+                       have a `range`, its arrows a `scale`, its output `levels`, whose camera has neither `turns` nor `damping`, and whose overlays have no `plot`: these are found from the whole run otherwise";
         return Err(Failure::new(Exit::Usage, message));
     }
     let n_chunks = plan.frames.len().div_ceil(plan.frames_per_task);

@@ -2,6 +2,7 @@
 
 use super::run_folder::spare_link;
 use crate::args::{ImageArgs, QualityChoice};
+use crate::arrivals::Arrivals;
 use crate::batch::ImageChoices;
 use crate::ledger::Ledger;
 use crate::library;
@@ -11,8 +12,10 @@ use bind::binding::{Binding, ImageFormat, Quality};
 use bind::data::Source;
 use frame::Frame;
 use frame::list::FrameList;
+use frame::run::RunReader;
 use render::ri::files::{Files, Permission, resolve};
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// Choices of the command line for the images of a job.
@@ -91,6 +94,8 @@ pub struct ImageJob {
     pub binding: Binding,
     /// The data.
     pub source: Source,
+    /// The frames of the data that are still to come, while they are simulated.
+    pub arrivals: Option<Arc<Arrivals>>,
     /// The search path of scenes and shaders.
     pub files: Files,
     /// The frames, in order.
@@ -113,7 +118,17 @@ pub struct ImageJob {
 
 impl ImageJob {
     /// Resolve metadata, its data and the choices of the command line.
-    pub fn resolve(mut binding: Binding, source: Source, folder: PathBuf, options: &ImageOptions) -> Outcome<ImageJob> {
+    pub fn resolve(binding: Binding, source: Source, folder: PathBuf, options: &ImageOptions) -> Outcome<ImageJob> {
+        ImageJob::of_run(binding, (source, None), folder, options)
+    }
+
+    /// Resolve metadata, the data of a run whose later frames may still arrive, and the choices of the command line.
+    pub fn of_run(
+        mut binding: Binding,
+        (source, arrivals): (Source, Option<Arc<Arrivals>>),
+        folder: PathBuf,
+        options: &ImageOptions,
+    ) -> Outcome<ImageJob> {
         let output = &mut binding.output;
         if let Some(resolution) = options.resolution {
             output.resolution = resolution;
@@ -128,24 +143,44 @@ impl ImageJob {
         if !options.allow_outside {
             spare_link(&Ledger::of(&folder).folder(), &folder)?;
         }
-        let frames = frames(&binding, &source, options)?;
+        let existing = source.numbers();
+        let frames = frames(&binding, &if arrivals.is_some() { source.expected() } else { existing.clone() }, options)?;
         let (programs, program_time) = (options.programs.clone(), options.program_time);
         let files = Files { programs, program_time, ..library::files(&binding.folder()) };
         let files = binding.files(files);
-        binding.check_columns(&first_readable(&source, &frames)?)?;
+        binding.check_columns(&first_readable(&source, if arrivals.is_some() { &existing } else { &frames })?)?;
         source::check_library(&binding)?;
         let passes = std::mem::take(&mut binding.passes).into_iter().map(|(name, pass)| {
             let own = folder.join(name);
             if !options.allow_outside {
                 spare_link(&own, &folder)?;
             }
-            ImageJob::resolve(pass, source.clone(), own, options)
+            ImageJob::of_run(pass, (source.clone(), arrivals.clone()), own, options)
         });
         let passes = passes.collect::<Outcome<_>>()?;
-        let lacking = lacking(&binding, &source, options);
+        let lacking = if arrivals.is_some() { vec![] } else { lacking(&binding, &source, options) };
         let is_all = options.frames.is_none() && binding.output.frames.is_none();
         let (library, redraw, allow_outside) = (library::hash(&files), options.redraw, options.allow_outside);
-        Ok(ImageJob { binding, source, files, frames, is_all, lacking, folder, library, redraw, allow_outside, passes })
+        Ok(ImageJob {
+            binding,
+            source,
+            arrivals,
+            files,
+            frames,
+            is_all,
+            lacking,
+            folder,
+            library,
+            redraw,
+            allow_outside,
+            passes,
+        })
+    }
+
+    /// Take the frames of a run that has come to its end: none are still to arrive.
+    pub fn complete(&mut self, run: &RunReader) {
+        (self.source, self.arrivals) = (self.source.grown(run.clone()), None);
+        self.passes.iter_mut().for_each(|pass| pass.complete(run));
     }
 
     /// The file of a frame's image.
@@ -184,19 +219,18 @@ fn lacking(binding: &Binding, source: &Source, options: &ImageOptions) -> Vec<u6
     }
 }
 
-/// The frames that the command line selects, or the metadata, or all.
-fn frames(binding: &Binding, source: &Source, options: &ImageOptions) -> Outcome<Vec<u64>> {
-    let existing = source.numbers();
+/// The frames that the command line selects of those that exist, or the metadata, or all.
+pub fn frames(binding: &Binding, existing: &[u64], options: &ImageOptions) -> Outcome<Vec<u64>> {
     if existing.is_empty() {
         return Err(Failure::new(Exit::Data, "the data has no frames yet"));
     }
     match (&options.frames, &binding.output.frames) {
-        (Some(list), _) => list.select(&existing).map_err(|m| Failure::new(Exit::Usage, format!("--frames: {m}"))),
+        (Some(list), _) => list.select(existing).map_err(|m| Failure::new(Exit::Usage, format!("--frames: {m}"))),
         (None, Some(list)) => {
-            let selected = list.parse::<FrameList>().and_then(|list| list.select(&existing));
+            let selected = list.parse::<FrameList>().and_then(|list| list.select(existing));
             Ok(selected.map_err(|m| binding.doc.fault("output.frames", m))?)
         }
-        (None, None) => Ok(existing),
+        (None, None) => Ok(existing.to_vec()),
     }
 }
 

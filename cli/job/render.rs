@@ -85,7 +85,7 @@ impl DrawOn {
     }
 
     /// Check a limit on the memory of an adapter, if one is given.
-    fn memory(&self, bytes: Option<u64>) -> Outcome<Option<u64>> {
+    pub fn memory(&self, bytes: Option<u64>) -> Outcome<Option<u64>> {
         if bytes.is_some() && *self == DrawOn::Cpu {
             let message = "--gpu-memory limits the memory of a graphics adapter: give --backend gpu or auto with it";
             return Err(Failure::new(Exit::Usage, message));

@@ -150,6 +150,12 @@ fn interval(binding: &Binding, source: &Source, time: &TimeStamp) -> Outcome<f64
     if let Some(seconds) = time.per_frame {
         return Ok(seconds);
     }
+    // A run says it before all its frames are there.
+    if let Store::Run(run) = &source.store
+        && let Some(rate) = run.index.frame_rate
+    {
+        return Ok(1.0 / rate);
+    }
     let numbers = source.numbers();
     let times: Vec<f64> = match &source.store {
         Store::Run(run) => run.index.frames.iter().map(|frame| frame.time).collect(),
@@ -318,6 +324,7 @@ mod tests {
     #[test]
     fn decimals_tell_frames_apart() {
         assert_eq!([1.0 / 24.0, 0.01, 0.5, 1.0, 2.0].map(|s| decimals_of(s, "s")), [2, 2, 1, 0, 0]);
+        assert_eq!([10.0, 50.0, 100.0, 1000.0, 3.0].map(|rate| decimals_of(1.0 / rate, "s")), [1, 2, 2, 3, 1]);
         assert_eq!((decimals_of(1.0 / 24.0, "ms"), decimals_of(1e-5, "ms"), decimals_of(0.0, "s")), (0, 2, 2));
     }
 }

@@ -88,6 +88,15 @@ pub fn describe(frames: &[u64]) -> String {
     }
 }
 
+/// Words as a list: `a`, `a and b`, `a, b and c`.
+pub fn words(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
 /// Missing frames of a gap that are told.
 const MOST: u64 = 1000;
 

@@ -85,6 +85,9 @@ pub struct Index {
     pub seed: u64,
     /// Step size, s.
     pub step_size: f64,
+    /// Frames a second; none in runs of older programs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame_rate: Option<f64>,
     /// Back end of the simulation: `cpu` or `gpu`.
     pub backend: String,
     /// Name of the processor or graphics adapter.
@@ -350,6 +353,11 @@ impl RunReader {
     /// Numbers of the frames, ascending.
     pub fn numbers(&self) -> Vec<u64> {
         self.by_number.keys().copied().collect()
+    }
+
+    /// Whether the run has a frame of this number.
+    pub fn has(&self, number: u64) -> bool {
+        self.by_number.contains_key(&number)
     }
 
     /// Whether the files of all frames are what the run wrote; each is read.

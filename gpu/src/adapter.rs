@@ -127,6 +127,9 @@ fn place_of(wanted: &str, all: &[Adapter]) -> Result<usize, GpuError> {
         let known: Vec<String> = all.iter().map(|a| format!("{}: {}", a.index, a.name)).collect();
         GpuError::Choice { wanted: wanted.into(), fault, known: known.join(", ") }
     };
+    if wanted.trim().is_empty() {
+        return Err(fault("expected the index of an adapter or a part of its name, not"));
+    }
     if let Ok(index) = wanted.parse::<usize>() {
         return if index < all.len() { Ok(index) } else { Err(fault("there is no adapter of index")) };
     }
@@ -170,6 +173,10 @@ mod tests {
         assert!(several.contains("several") && several.contains("2: GeForce 4090"), "{several}");
         let none = place_of("arc", &all).unwrap_err().to_string();
         assert!(none.contains("`arc`") && none.contains("0: Radeon RX 7900"), "{none}");
+        for empty in ["", " "] {
+            let said = place_of(empty, &all[..1]).unwrap_err().to_string();
+            assert!(said.contains("expected the index of an adapter or a part of its name, not `"), "{said}");
+        }
         assert!(place_of("3", &all).unwrap_err().to_string().contains("index `3`"));
     }
 }

@@ -31,6 +31,10 @@ pub struct Stats {
 /// What has gone between the processor and a graphics device for an image, where the processor waited, and how long the device worked.
 #[derive(Clone, Copy, Debug, Default, serde::Serialize)]
 pub struct DeviceStats {
+    /// Count of waves of micropolygons: each is sampled before what it hides would be diced.
+    pub waves: u64,
+    /// Count of dispatches of kernels.
+    pub dispatches: u64,
     /// Count of submissions of commands.
     pub submissions: u64,
     /// Count of waits of the processor for the device.
@@ -39,6 +43,10 @@ pub struct DeviceStats {
     pub bytes_written: u64,
     /// Bytes that were read from it.
     pub bytes_read: u64,
+    /// The most bytes that buffers have taken of its memory together so far: those of this image, of others in flight, and those kept.
+    pub device_bytes: u64,
+    /// Bytes of the largest buffer so far.
+    pub largest_buffer_bytes: u64,
     /// Time that the processor waited, s.
     pub wait_seconds: f64,
     /// Time in which kernels were compiled, s: none of a frame whose shaders an earlier one had.
@@ -56,9 +64,13 @@ pub struct DeviceStats {
 }
 
 impl DeviceStats {
-    /// The same, with what has gone to the device and come from it.
-    pub(crate) fn with(self, traffic: gpu::Traffic) -> DeviceStats {
+    /// The same, with what a device has been given since its traffic and its dispatches were these.
+    pub(crate) fn since(self, (traffic, dispatches): &(gpu::Traffic, u64), device: &gpu::Device) -> DeviceStats {
+        let traffic = device.traffic() - *traffic;
         DeviceStats {
+            dispatches: device.dispatches().values().sum::<u64>() - dispatches,
+            device_bytes: device.most_memory(),
+            largest_buffer_bytes: device.largest_buffer(),
             submissions: traffic.submissions,
             waits: traffic.waits,
             bytes_written: traffic.bytes_written,

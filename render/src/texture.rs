@@ -2,7 +2,6 @@
 
 pub mod texels;
 
-use crate::warnings::Warnings;
 use sl::ir::Lookup;
 use sl::machine::MapQuery;
 use std::collections::HashMap;
@@ -222,13 +221,8 @@ impl Textures {
     }
 
     /// Visit the images of a texture, one or six faces, and the tangent of half the angle of a face, if it can be read.
-    pub fn visit<R>(
-        &self,
-        name: &str,
-        warnings: &Warnings,
-        visit: impl FnOnce(&[TextureLevels<'_>], f32) -> R,
-    ) -> Option<R> {
-        let map = self.get(name).map_err(|why| warnings.add(why)).ok()?;
+    pub fn visit<R>(&self, name: &str, visit: impl FnOnce(&[TextureLevels<'_>], f32) -> R) -> Option<R> {
+        let map = self.get(name).ok()?;
         fn of(texture: &Texture) -> TextureLevels<'_> {
             TextureLevels {
                 levels: &texture.levels,

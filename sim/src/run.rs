@@ -221,6 +221,7 @@ pub fn simulate(
         model_hash: model_hash(file),
         seed: sim.model.seed,
         step_size: sim.model.step,
+        frame_rate: Some(sim.model.frame_rate),
         backend: sim.backend().into(),
         adapter: sim.adapter().unwrap_or_else(processor),
         units: "SI: m, kg, s, rad".into(),
@@ -448,11 +449,12 @@ impl<'a> Run<'a> {
     fn write_frame(&mut self, frame: u64) -> Result<(), RunError> {
         self.sim.fetch()?;
         self.list_warnings();
-        self.writer.write_frame(&frame_of(&self.sim.model, &self.sim.state, frame))?;
+        // Whoever sees the frame in the index finds its contacts.
         if self.resolved.probes.contact_tables {
             let table = csv::encode(&contacts_of(&self.sim.model, &self.sim.state, frame));
             atomic::write(&self.folder.join(format!("contacts/{frame:06}.csv")), table.as_bytes())?;
         }
+        self.writer.write_frame(&frame_of(&self.sim.model, &self.sim.state, frame))?;
         Ok(())
     }
 

@@ -25,7 +25,7 @@ pub struct Source {
 
 /// The tables that trails go back to, by their frames' numbers. While one is read, others who want it wait.
 #[derive(Debug, Default)]
-struct Recent(Mutex<BTreeMap<u64, Place>>);
+struct Recent(Arc<Mutex<BTreeMap<u64, Place>>>);
 
 /// A table, once it is read.
 type Place = Arc<Mutex<Option<Arc<Frame>>>>;
@@ -69,6 +69,12 @@ impl Source {
     /// A source of stored frames, with what is derived and selected of each.
     pub fn new(store: Store, derive: Vec<(String, Expr)>, select: Option<Expr>) -> Source {
         Source { store, derive, select, recent: Recent::default() }
+    }
+
+    /// The same source of a run that has more frames by now; the tables that were read stay.
+    pub fn grown(&self, run: RunReader) -> Source {
+        let recent = Recent(self.recent.0.clone());
+        Source { store: Store::Run(run), derive: self.derive.clone(), select: self.select.clone(), recent }
     }
 
     /// Open the source at a path: a run directory, or a table of another program, or a pattern of such files. An error if there is none.
@@ -128,6 +134,13 @@ impl Source {
             }
             Store::Files { .. } => vec![],
         }
+    }
+
+    /// Numbers of all frames that there will be, ascending: those that are stored, and the missing ones.
+    pub fn expected(&self) -> Vec<u64> {
+        let mut all = [self.numbers(), self.missing()].concat();
+        all.sort_unstable();
+        all
     }
 
     /// The hash of the model that was run; `None` for tables of other programs.

@@ -22,6 +22,7 @@ mod group;
 mod instances;
 mod keys;
 mod missing;
+mod open;
 mod pebbles;
 mod rows;
 mod shapes;
@@ -36,6 +37,8 @@ use frame::{Fault, Frame};
 pub use group::Group;
 pub use instances::Prepared;
 pub use missing::{Lack, Missing};
+use open::takes_levels;
+pub use open::{levels_are_open, open_keys};
 use ri::files::Files;
 use ri::reader::{self, RibError};
 use ri::{Class, Fail, Param, Ri, RiResult, Type};
@@ -176,17 +179,6 @@ pub fn prepare<'a>(binding: &'a Binding, moment: &Moment) -> Result<(Vec<Prepare
         prepared.push(object);
     }
     Ok((prepared, missing))
-}
-
-/// Whether the levels of the film are still to be measured: they are not given, the binding's scene takes them, and the image is none of data.
-pub fn levels_are_open(binding: &Binding, files: &Files) -> bool {
-    let scene = || files.read(&binding.scene, &["scenes"]).is_ok_and(|(_, text)| takes_levels(&text));
-    binding.output.levels.is_none() && binding.output.format == ImageFormat::Png && scene()
-}
-
-/// Whether a scene takes levels of the film.
-fn takes_levels(scene: &str) -> bool {
-    scene.lines().any(|line| line.trim() == "#scree inject levels")
 }
 
 /// A setting that the file makes and the scene does not take would be lost silently: that is an error.

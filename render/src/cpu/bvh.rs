@@ -32,6 +32,8 @@ pub enum Occluder {
 /// How far beside a triangle of a solid or of a curved surface, in parts of it, a ray still meets it: what rounding makes of a corner, so
 /// that nothing gets through between neighbours.
 const BESIDE: f32 = 1e-5;
+/// The same of a flat surface: a ray through its very edge meets it, wherever rounding puts the two.
+const BESIDE_FLAT: f32 = 1e-6;
 
 /// What rounding makes of places on two surfaces that touch, in parts of their coordinates.
 const ROUNDING: f32 = 4e-6;
@@ -354,7 +356,7 @@ impl Bvh {
             Occluder::Triangle { room: None, .. } if own => None,
             Occluder::Triangle { corners, room } => {
                 let near = near_start(own, room, edges_of(corners), from, bias);
-                let beside = if room.is_some() { BESIDE } else { 0.0 };
+                let beside = if room.is_some() { BESIDE } else { BESIDE_FLAT };
                 meet_triangle(&Sight::new(from, dir), corners, beside).map(|(t, _)| t).filter(|t| *t > near.max(least))
             }
         }
@@ -388,7 +390,7 @@ impl Bvh {
                 }
             }
             Occluder::Triangle { corners, room } => {
-                let beside = if room.is_some() { BESIDE } else { 0.0 };
+                let beside = if room.is_some() { BESIDE } else { BESIDE_FLAT };
                 !(own && room.is_none())
                     && meet_triangle(&Sight::new(from, dir), corners, beside)
                         .is_some_and(|(t, _)| t < length && t > near_start(own, room, edges_of(corners), from, bias))
@@ -425,4 +427,39 @@ fn near_start(own: bool, room: Option<f32>, [ab, ac]: [Vec3; 2], from: Vec3, bia
 /// shadow.
 fn facet_room(room: f32, own: bool) -> f32 {
     room * if own { 2.0 } else { 0.5 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Shadows end on lines of points where edges of flat surfaces, and what they shade, are cut alike: rounding says nothing there.
+    #[test]
+    fn a_ray_through_an_edge_of_a_flat_surface_meets_it() {
+        let mut state = 1u64;
+        let mut number = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f32 / (1u64 << 23) as f32 - 1.0
+        };
+        let mut place = |size: f32| Vec3::new(number(), number(), number()) * size;
+        let (item, other) = (Item { source: 0, index: 0 }, Item { source: 0, index: 1 });
+        let mut n = 0;
+        for k in 0..1000 {
+            let corners = [place(4.0), place(4.0), place(4.0)];
+            let [a, b] = [corners[k % 3], corners[(k + 1) % 3]];
+            let (from, edge) = (place(2.0), a + (b - a) * (0.2 + 0.6 * (k % 7) as f32 / 7.0));
+            let across = edges_of(corners)[0].cross(edges_of(corners)[1]);
+            // Of a triangle that is seen edge-on, or is a needle, nothing is known.
+            if across.dot((edge - from).normalize()).abs() < 8.0 {
+                continue;
+            }
+            let mut bvh = Bvh { translucent: vec![false], ..Bvh::default() };
+            bvh.occluders = vec![(item, Occluder::Triangle { corners, room: None })];
+            let bound = bvh.bound(&bvh.occluders[0].1);
+            bvh.tree = Tree::new([bound].into_par_iter()).0;
+            assert!(bvh.blocked(other, from, edge + (edge - from), [0.0; 2]), "{corners:?} from {from} by {edge}");
+            n += 1;
+        }
+        assert!(n > 300, "{n} rays");
+    }
 }

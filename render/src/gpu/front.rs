@@ -13,6 +13,7 @@ use crate::gprim::dice::Dicer;
 use crate::gprim::grid::{Grid, Sink, Subject};
 use crate::gprim::sphere::tile::{CapTile, MOST_RINGS};
 use crate::gprim::split::{Queue, Waiting};
+use crate::gpu::limits::Limits;
 use crate::scene::camera::RasterBound;
 use crate::scene::motion::{self, instants};
 use crate::scene::source::{Item, ItemView};
@@ -75,6 +76,11 @@ impl Diced {
     /// Count of its points.
     pub fn n(&self) -> usize {
         self.size[0] * self.size[1]
+    }
+
+    /// Count of the places of its points, at all moments.
+    fn n_places(&self) -> usize {
+        self.n() * self.cap.as_ref().map_or(self.raster.len(), Cap::n_moments)
     }
 
     /// Count of its micropolygons; of those that the device dices, some may not be there.
@@ -173,18 +179,22 @@ pub struct Front<'a> {
     in_order: bool,
     /// Items, and pieces of items, that are diced at a time.
     round: usize,
+    /// The most places of points that a wave has, as far as it has more than one grid.
+    most: usize,
     /// Those of threads that dice nothing at present.
     hands: Mutex<Vec<Hand>>,
 }
 
 impl<'a> Front<'a> {
-    /// Of items with their least depths, the nearest first; so many of them, or of their pieces, are diced at a time.
-    pub fn new(frame: &'a Frame<'a>, items: Vec<(f32, Item)>, round: usize) -> Front<'a> {
+    /// Of items with their least depths, the nearest first, as much at a time as limits say.
+    pub fn new(frame: &'a Frame<'a>, items: Vec<(f32, Item)>, limits: &Limits) -> Front<'a> {
         let (items, hands) = (items.into_iter().peekable(), Mutex::default());
-        Front { frame, items, queue: Queue::default(), early: vec![], n_early: 0, in_order: true, round, hands }
+        let (queue, early, round, most) = (Queue::default(), vec![], limits.round, limits.points / 2);
+        Front { frame, items, queue, early, n_early: 0, in_order: true, round, most, hands }
     }
 
-    /// Dice what comes next, until there are about so many points; nothing if all is diced. The grids are in the order of their turns, those of
+    /// Dice what comes next, until there are about so many points; nothing if all is diced. What a round comes to beyond the most that a wave
+    /// may have is left to the next. The grids are in the order of their turns, those of
     /// later waves after those of earlier ones: of what is equally deep, the first is visible, however much is diced at a time.
     pub fn wave(&mut self, window: &Window, n_points: usize, stats: &mut Stats) -> Vec<Diced> {
         loop {
@@ -202,14 +212,34 @@ impl<'a> Front<'a> {
                 self.n_early = later;
                 let early = self.early.split_off(end);
                 let now = std::mem::replace(&mut self.early, early);
-                let mut grids = Vec::with_capacity(now.iter().map(|(.., own)| own.len()).sum());
-                now.into_iter().for_each(|(.., own)| grids.extend(own));
-                return grids;
+                return self.fit(now);
             }
             // Where there is enough that waits for what is nearer, nothing is diced that is farther: it may be hidden.
             let last = self.early.last().map(|(turn, ..)| *turn).filter(|_| self.n_early >= n_points);
             self.round(window, last, stats);
         }
+    }
+
+    /// The grids of turns, as far as they fit into a wave; the others wait for the next.
+    fn fit(&mut self, turns: Vec<(Turn, usize, Vec<Diced>)>) -> Vec<Diced> {
+        let mut grids = Vec::with_capacity(turns.iter().map(|(.., own)| own.len()).sum());
+        let (mut n_places, mut rest) = (0, vec![]);
+        for (turn, _, own) in turns {
+            let mut fits = |grid: &Diced| {
+                n_places += grid.n_places();
+                n_places <= self.most
+            };
+            let at = if rest.is_empty() { own.iter().position(|grid| !fits(grid)).unwrap_or(own.len()) } else { 0 };
+            let mut own = own;
+            let later = own.split_off(if grids.is_empty() { at.max(1).min(own.len()) } else { at });
+            grids.extend(own);
+            if !later.is_empty() {
+                rest.push((turn, later.iter().map(Diced::n).sum::<usize>(), later));
+            }
+        }
+        self.n_early += rest.iter().map(|(_, n, _)| n).sum::<usize>();
+        self.early.splice(..0, rest);
+        grids
     }
 
     /// Dice some items and pieces, those up to a turn if it is given.

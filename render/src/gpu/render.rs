@@ -125,7 +125,7 @@ impl Renderer {
             return Err(Refusal::Unsupported(why));
         }
         let Flight { device, kept } = flight;
-        let (start, before) = (Instant::now(), device.traffic());
+        let (start, before) = (Instant::now(), (device.traffic(), device.dispatches().values().sum()));
         let frame = Frame::new(scene, options, camera);
         let mut shaders = Shaders::new(device, (&self.kernels, &self.own, kept), self.limits.values)?;
         let layered: Vec<bool> = (0..scene.sources.len()).map(|k| is_layered(&frame, k)).collect();
@@ -137,8 +137,7 @@ impl Renderer {
         let mut drawing = Drawing::new((self, flight), &frame, shaders, layered, stats);
         drawing.windows(progress)?;
         let mut drawn = drawing.finish()?;
-        let spent = device.traffic() - before;
-        drawn.stats.device = drawn.stats.device.map(|device| device.with(spent));
+        drawn.stats.device = drawn.stats.device.map(|stats| stats.since(&before, device));
         Ok(drawn)
     }
 }
@@ -224,6 +223,10 @@ impl<'a> Drawing<'a> {
         Ok(())
     }
 
+    fn count_wave(&mut self) {
+        self.stats.device.iter_mut().for_each(|device| device.waves += 1);
+    }
+
     fn windows(&mut self, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<(), Refusal> {
         let (frame, renderer) = (self.frame, self.renderer);
         let (width, height) = (frame.options.width, frame.options.height);
@@ -307,7 +310,7 @@ impl<'a> Drawing<'a> {
         let limits = self.renderer.limits;
         // About the number of points of an item that are there at once: of a sphere of some pixels.
         room.samples.expect((32 * items.len()).min(limits.points))?;
-        let mut front = Front::new(frame, items, limits.round);
+        let mut front = Front::new(frame, items, &limits);
         let (mut held, mut wave) = (vec![], limits.wave[0]);
         loop {
             // What the wave before hides is not diced: to dice it meanwhile takes longer than to wait.
@@ -315,6 +318,7 @@ impl<'a> Drawing<'a> {
             if grids.is_empty() {
                 break;
             }
+            self.count_wave();
             let start = Instant::now();
             room.samples.sample(frame, &grids, window)?;
             self.settle()?;
@@ -388,13 +392,14 @@ impl<'a> Drawing<'a> {
     ) -> Result<Option<Vec<Diced>>, Refusal> {
         let Room { samples, layers: Some(layers), .. } = room else { return Ok(Some(vec![])) };
         let limits = self.renderer.limits;
-        let mut front = Front::new(self.frame, items.to_vec(), limits.round);
+        let mut front = Front::new(self.frame, items.to_vec(), &limits);
         let mut held: Vec<Diced> = vec![];
         loop {
             let grids = front.wave(window, limits.wave[1], &mut self.stats);
             if grids.is_empty() {
                 return Ok(Some(held));
             }
+            self.count_wave();
             layers.add(self.frame, samples, &grids)?;
             held.extend(grids);
             if can_part && samples.n_places().max(samples.n_points) >= limits.points {

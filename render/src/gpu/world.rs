@@ -78,7 +78,7 @@ fn push_maps(rows: &mut Vec<[u32; 4]>, scene: &Scene, names: &[String]) -> Resul
     rows[3][2] = rows.len() as u32;
     rows.extend((0..64).map(|k| [0, 1, 2, 3].map(|i| decoded((4 * k + i) as f32 / 255.0).to_bits())));
     for (k, name) in names.iter().enumerate() {
-        let added = scene.textures.visit(name, &scene.warnings, |textures, tangent| {
+        let added = scene.textures.visit(name, |textures, tangent| {
             let at = rows.len();
             rows[first + 1 + k] = [1 + (textures.len() > 1) as u32, at as u32, tangent.to_bits(), 0];
             rows.resize(at + textures.len().div_ceil(4), [0; 4]);

@@ -119,7 +119,12 @@ pub struct Placed {
 impl Placed {
     /// Whether its way depends on all frames.
     pub fn is_open(&self) -> bool {
-        self.turns.is_some() || (self.damping.is_some() && self.follow.is_some())
+        self.turns.is_some() || self.is_smoothed()
+    }
+
+    /// Whether its way depends on where what it follows is in other frames.
+    pub fn is_smoothed(&self) -> bool {
+        self.damping.is_some() && self.follow.is_some()
     }
 
     /// Settle its way by the data: the numbers of its frames, and where what it follows is in them.
@@ -327,6 +332,12 @@ impl Binding {
     pub fn is_open(&self) -> bool {
         let moves = matches!(&self.camera, Some(Camera::Placed(camera)) if camera.is_open());
         moves || self.objects.iter().any(Object::is_open)
+    }
+
+    /// Whether the values of all frames tell what it leaves open, and not their numbers alone, as they do of a camera that turns.
+    pub fn depends_on_values(&self) -> bool {
+        let is_smoothed = matches!(&self.camera, Some(Camera::Placed(camera)) if camera.is_smoothed());
+        is_smoothed || self.objects.iter().any(Object::is_open)
     }
 
     /// The search path `files` with the binding's folders and generated files added.

@@ -84,6 +84,11 @@ impl Program {
         found.map_or(&self.file, |k| &self.places[k].1)
     }
 
+    /// What is said of what stands at a byte of its source, after the place.
+    pub fn placed(&self, at: u32, message: &str) -> String {
+        format!("{}: the shader `{}`: {message}", self.place(at), self.name)
+    }
+
     /// The register of a global variable, if the program uses it.
     pub fn global(&self, global: Global) -> Option<Reg> {
         self.globals.iter().find(|(g, _)| *g == global).map(|(_, r)| *r)

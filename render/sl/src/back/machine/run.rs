@@ -77,7 +77,7 @@ impl Machine {
             scene.stop(&format!("a string of the shader `{name}` grows beyond 64 KiB, in {place}"));
         }
         for (place, message) in std::mem::take(&mut self.refused) {
-            scene.warn(format!("{}: the shader `{}`: {message}", program.place(place), program.name));
+            scene.warn(program.placed(place, &message));
         }
         if let Some(Beyond { what, index, len, place }) = self.beyond.take() {
             let (most, place, name) = (len - 1, program.place(place), &program.name);

@@ -6,7 +6,7 @@ use super::super::scene::{Scene, asked_in_vain, unknown_space, unset};
 use super::super::slots::VariableSlots;
 use super::kernel::{Kernel, Shader, Target};
 use super::module::{Refused, Slot};
-use crate::ir::{Ask, Global, Operand, Parameter, Program};
+use crate::ir::{Ask, Global, Lookup, Operand, Parameter};
 use glam::{Mat3, Mat4};
 use std::sync::Arc;
 
@@ -337,8 +337,8 @@ impl<'k> Batch<'k> {
             let row = self.parameter(param, given, bound.value(slot), n).ok_or_else(|| odd(bound, &param.name))?;
             self.slots.push(row);
         }
-        for slot in &shader.slots {
-            let row = self.answer(slot, bound, points, scene);
+        for (slot, byte) in &shader.slots {
+            let row = self.answer((slot, *byte), bound, points, scene);
             self.slots.push(row);
         }
         Ok(())
@@ -380,16 +380,14 @@ impl<'k> Batch<'k> {
     }
 
     /// What a shader asks of the scene.
-    fn answer(&mut self, slot: &Slot, bound: &BoundShader, points: &Points, scene: &dyn Scene) -> Row {
+    fn answer(&mut self, (slot, byte): (&Slot, u32), bound: &BoundShader, points: &Points, scene: &dyn Scene) -> Row {
+        let warn = |message: Option<String>| {
+            message.into_iter().for_each(|message| scene.warn(bound.program.placed(byte, &message)));
+        };
         let matrix = |from: &str, to: &str| {
             let spaces = [from, to].map(|space| bound.space_of(space));
             let found = scene.matrix(spaces[0], spaces[1]);
-            if found.is_none()
-                && let Some(message) = unknown_space(scene, spaces)
-            {
-                let Program { file, name, .. } = &*bound.program;
-                scene.warn(format!("{file}: the shader `{name}`: {message}"));
-            }
+            warn(if found.is_none() { unknown_space(scene, spaces) } else { None });
             found.map_or(Mat4::IDENTITY, |m| Mat4::from_cols_array(&m))
         };
         let (values, kind) = match slot {
@@ -398,14 +396,14 @@ impl<'k> Batch<'k> {
                 let m = Mat3::from_mat4(matrix(from, to)).inverse().transpose();
                 (Mat4::from_mat3(m).to_cols_array().to_vec(), 1)
             }
-            Slot::Map { how, name } => (vec![scene.map_number(*how, name) as f32], 1),
+            Slot::Map { how, name } => {
+                warn(if *how == Lookup::Shadow { None } else { scene.map_fault(*how, name, false) });
+                (vec![scene.map_number(*how, name) as f32], 1)
+            }
             Slot::Answer { what, names, width, len } => {
                 let names: Vec<&str> = names.iter().map(String::as_str).collect();
                 let Some(values) = numbers(*what, &names, points, scene) else {
-                    if let Some(message) = asked_in_vain(*what, &names, scene) {
-                        let Program { file, name, .. } = &*bound.program;
-                        scene.warn(format!("{file}: the shader `{name}`: {message}"));
-                    }
+                    warn(asked_in_vain(*what, &names, scene));
                     return NONE;
                 };
                 // One value is that of all, also where a light is given one point for all.

@@ -38,7 +38,8 @@ pub struct Output {
 pub struct Shader {
     /// The bound shader that it was written for.
     pub(super) bound: Arc<BoundShader>,
-    pub(super) slots: Vec<Slot>,
+    /// What it reads of the host, and the byte of its source where it does so first.
+    pub(super) slots: Vec<(Slot, u32)>,
     pub(super) outputs: Vec<Output>,
 }
 
@@ -147,12 +148,13 @@ impl Kernel {
 
     /// Whether its shader asks for numbers by name of something.
     pub fn asks_by_name(&self, of: Ask) -> bool {
-        self.shaders[0].slots.iter().any(|slot| matches!(slot, Slot::Answer { what, .. } if *what == of))
+        self.shaders[0].slots.iter().any(|(slot, _)| matches!(slot, Slot::Answer { what, .. } if *what == of))
     }
 
     /// The maps that shaders of the kernel look up: how, the name, and whether a light's shader does. One without a name is none.
     pub fn maps(&self) -> impl Iterator<Item = (Lookup, &str, bool)> {
-        let slots = self.shaders.iter().enumerate().flat_map(|(k, shader)| shader.slots.iter().map(move |s| (k, s)));
+        let slots =
+            self.shaders.iter().enumerate().flat_map(|(k, shader)| shader.slots.iter().map(move |(s, _)| (k, s)));
         slots.filter_map(|(k, slot)| match slot {
             Slot::Map { how, name } if !name.is_empty() => Some((*how, name.as_str(), k > 0)),
             _ => None,
@@ -168,7 +170,7 @@ impl Kernel {
             Slot::Map { .. } => false,
             Slot::Answer { what, .. } => !matches!(what, Ask::Option | Ask::TextureInfo | Ask::RendererInfo),
         };
-        let light = self.shaders[1..].iter().find(|light| light.slots.iter().any(|slot| differs(light, slot)))?;
+        let light = self.shaders[1..].iter().find(|light| light.slots.iter().any(|(slot, _)| differs(light, slot)))?;
         Some(&light.bound.program.name)
     }
 

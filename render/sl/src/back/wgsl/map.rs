@@ -77,7 +77,7 @@ impl Writer<'_, '_> {
         for (name, value) in given {
             let name = self.text(*name, "the name of an option of a lookup")?;
             if !OPTIONS.contains(&name.as_str()) {
-                self.module.host.scene.warn(unknown_option(map, &name));
+                self.warn(unknown_option(map, &name));
                 continue;
             }
             if let Operand::Number(r) = value

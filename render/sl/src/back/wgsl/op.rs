@@ -40,10 +40,19 @@ impl Writer<'_, '_> {
             Op::ColorSpace(dst, a, from, to, _) => self.color_space(*dst, *a, *from, *to),
             Op::Spline(dst, basis, args) => self.spline(*dst, *basis, args),
             Op::Print(_) => self.refuse("prints"),
-            Op::Ask { dst, what, names, out, len, .. } => self.ask(*dst, *what, names, *out, *len),
-            Op::Map { .. } => self.map(op),
+            Op::Ask { dst, what, names, out, len, place } => {
+                self.byte = *place;
+                self.ask(*dst, *what, names, *out, *len)
+            }
+            Op::Map { place, .. } => {
+                self.byte = *place;
+                self.map(op)
+            }
             Op::Call(f, dst, args) => self.call(*f, *dst, args),
-            Op::Transform(how, dst, a, from, to, _) => self.transform(*how, *dst, *a, *from, *to),
+            Op::Transform(how, dst, a, from, to, place) => {
+                self.byte = *place;
+                self.transform(*how, *dst, *a, *from, *to)
+            }
             Op::If(..) | Op::Loop(..) | Op::Inline(_) => self.control(op),
             Op::Break(levels) => self.leave(*levels as usize, true),
             Op::Continue(levels) => self.leave(*levels as usize, false),
@@ -239,7 +248,7 @@ impl Writer<'_, '_> {
                     _ => false,
                 };
                 if let Some(message) = asked_in_vain(what, &of, self.module.host.scene).filter(|_| answer.is_none()) {
-                    self.module.host.scene.warn(message);
+                    self.warn(message);
                 }
                 self.module.asked.push((what, names, answer));
                 self.set(dst.into(), literal(found as u8 as f32))

@@ -48,8 +48,10 @@ pub(super) struct Writer<'w, 'a> {
     pub of_light: Option<OfLight>,
     /// In `solar` or `illuminate`: the register of the light's ray, and whether it is a sun's.
     pub ray: Option<(TripleReg, bool)>,
-    /// What is read of the host besides globals and parameters.
-    pub slots: Vec<Slot>,
+    /// What is read of the host besides globals and parameters, and the byte of the source where it is first.
+    pub slots: Vec<(Slot, u32)>,
+    /// Byte of the source of the operation that is written, if it asks the host for something.
+    pub byte: u32,
     /// Registers that have been assigned to.
     pub written: HashSet<usize>,
     pub text: String,
@@ -80,6 +82,7 @@ impl<'w, 'a> Writer<'w, 'a> {
             of_light: None,
             ray: None,
             slots: vec![],
+            byte: 0,
             written: HashSet::new(),
             text: String::new(),
             depth: 1,
@@ -131,11 +134,16 @@ impl<'w, 'a> Writer<'w, 'a> {
 
     /// The slot of something that is read of the host, as an expression.
     pub fn slot(&mut self, slot: Slot) -> String {
-        let k = self.slots.iter().position(|s| *s == slot).unwrap_or_else(|| {
-            self.slots.push(slot);
+        let k = self.slots.iter().position(|(known, _)| *known == slot).unwrap_or_else(|| {
+            self.slots.push((slot, self.byte));
             self.slots.len() - 1
         });
         format!("base + {}u", Global::COUNT + self.program.params.len() + k)
+    }
+
+    /// Warn of what the operation that is written asks in vain.
+    pub fn warn(&self, message: String) {
+        self.module.host.scene.warn(self.program.placed(self.byte, &message));
     }
 
     /// Assign to a variable at active points. What nobody has assigned to has no value to keep at the others.
