@@ -13,7 +13,7 @@ use super::{Probes, Resolved};
 use crate::checkpoint;
 use crate::contacts::Contacts;
 use crate::geometry::{Surface, principal, solid_of};
-use crate::joint::{Joint, JointKind, JointState, Motor, Spring, SpringKind, SpringState};
+use crate::joint::{Coordinate, Joint, JointKind, JointState, Motor, Spring, SpringKind, SpringState};
 use crate::load::{Function, Load};
 use crate::sleep;
 use crate::terrain::Ground;
@@ -55,6 +55,7 @@ impl ModelFile {
     pub fn resolve(&self, doc: &Document) -> Result<Resolved, Fault> {
         let (mut resolved, key_of) = self.build(doc)?;
         overlaps(&mut resolved, doc, &key_of)?;
+        jumps(&mut resolved);
         Ok(resolved)
     }
 
@@ -455,6 +456,26 @@ impl<'a> Builder<'a> {
             return Err(self.doc.fault("solver.rest_gap", message).hint("leave it to `quality`"));
         }
         Ok(())
+    }
+}
+
+/// Warn of motors whose motion does not begin where their joints are: the first step goes there, however far it is.
+fn jumps(resolved: &mut Resolved) {
+    /// Angle, rad, and way over the size of the joint's bodies, that are a jump.
+    const JUMP: f64 = 1e-2;
+    let Resolved { model, state, warnings, .. } = resolved;
+    for (joint, now) in model.joints.iter().zip(&state.joints) {
+        let Some([goal, is]) = joint.driven(now, 0.0).filter(|_| joint.acts(0.0)) else { continue };
+        let is_angle = joint.kind.coordinate() == Some(Coordinate::Angle);
+        let of_joint = |s: &usize| joint.bodies.contains(&model.shape_body[*s]) && !model.shape_kind[*s].is_surface();
+        let sizes = (0..model.n_shapes()).filter(of_joint).map(|s| model.shape_size[s].max_element());
+        let (size, unit) = if is_angle { (1.0, "rad") } else { (sizes.fold(0.0, f64::max), "m") };
+        if matches!(joint.motor, Some(Motor::Position(_))) && (goal - is).abs() > JUMP * size.max(1e-3) {
+            warnings.push(format!(
+                "the motor of joint `{}` begins at {goal:.3} {unit}, where the joint is at {is:.3} {unit}: the first step jumps there",
+                joint.name
+            ));
+        }
     }
 }
 
