@@ -23,7 +23,7 @@ const LEAST_TURN: f64 = 1e-5;
 const LIGHT: f64 = 300.0;
 
 /// Change of an arc, over the greatest arc, up to which it is the same.
-const SAME: f64 = 1e-4;
+const SAME: f64 = 1e-3;
 
 /// What the greatest arc moves a body by in a step, m or rad, below which it counts as this.
 const SHORT: f64 = 1e-6;
