@@ -3,7 +3,6 @@
 //! Every stage that runs in parallel splits its rows into chunks of fixed length, so that results have the same bits for any number
 //! of threads.
 
-mod arcs;
 mod bin_emit;
 mod bin_start;
 pub mod bounds;
@@ -28,7 +27,6 @@ mod warm_start;
 
 use crate::aabb::Aabb;
 use crate::backend::Backend;
-use crate::contacts::Contacts;
 use crate::joint::Row;
 use crate::model::Model;
 use crate::outcome::StepOutcome;
@@ -38,7 +36,6 @@ use crate::stages::{Column, Stage, View};
 use crate::state::State;
 use crate::twist::Twist;
 use bin_emit::Bins;
-use glam::DVec3;
 use masses::Masses;
 use pair_write::Pairs;
 use solve::joints::Joints;
@@ -204,24 +201,6 @@ impl Cpu {
         (self.outcome.solver, self.outcome.worst) =
             contact_solve::run(model, plan, state, &mut contacts, columns, &mut self.solver);
         state.step_length = *self.solver.step_length();
-        self.follow_arcs(model, state, &contacts);
         state.contacts = contacts;
-    }
-
-    /// Let bodies on joints follow their arcs, with the impulses of the contacts and limits as they are.
-    fn follow_arcs(&mut self, model: &Model, state: &State, contacts: &Contacts) {
-        let acting = (0..contacts.len()).filter(|i| contacts.impulse[*i] != DVec3::ZERO).map(|i| contacts.bodies[i]);
-        let limits = self.limits.rows.iter().zip(&self.limits.impulse).filter(|(_, impulse)| **impulse != 0.0);
-        let touched = acting.chain(limits.map(|(row, _)| row.bodies)).flatten();
-        let Cpu { masses, joints, joint_start, response, displacement, .. } = self;
-        let left = arcs::follow((model, state, masses), (joints, joint_start), touched, response);
-        if !left.is_empty() {
-            let Displacement { twist, share, .. } = displacement;
-            if twist.is_empty() {
-                twist.resize(model.n_bodies(), Twist::default());
-                *share = 1.0;
-            }
-            joints.correct(masses, &left, share.recip(), twist);
-        }
     }
 }

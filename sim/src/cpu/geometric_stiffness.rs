@@ -124,12 +124,6 @@ impl Stiffness {
         !(self.acting.inertia.is_empty() && self.acting.mass.is_empty())
     }
 
-    /// Whether it acts on a joint or its bodies.
-    pub fn acts_on(&self, (i, joint): (usize, &Joint)) -> bool {
-        let Acting { inertia, mass } = &self.acting;
-        joint.bodies.iter().any(|body| inertia.contains_key(body)) || [0, 1].iter().any(|k| mass.contains_key(&[i, *k]))
-    }
-
     /// Let more act where the forces `found`, by joints that have been solved with what acts, ask for more than twice the inertia. Returns
     /// whether there is such.
     pub fn follow(&mut self, found: &Stiffness, model: &Model, state: &State, h: f64, mut target: Target) -> bool {

@@ -3,14 +3,13 @@
 //! in     orientation  [n_bodies]
 //! out    joint_start  [n_joints + 1]  first row of each joint, and of the springs
 //! out    joint_row    [n_rows]        dΨ/dt and Ψ in the world frame
-//! out    joint_bias   [n_rows]        Ψ/h − rate, and terms of arcs and springs, m/s
+//! out    joint_bias   [n_rows]        Ψ/h − rate, and terms of springs, m/s
 //! out    limit        [n_limits]
 //! out    limit_joint  [n_limits]
 //! inout  tensor       [n_tensors]     geometric stiffness is added
 //! inout  free         [n_bodies]      explicit springs act on it, and geometric stiffness
 //! Source: paper §2, bilateral constraints; springs are implicit where they are too stiff for the step.
 
-use super::arcs;
 use super::geometric_stiffness::{Stiffness, Target};
 use super::masses::Masses;
 use super::solve::joints::Joints;
@@ -120,7 +119,6 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
     if is_stiff || state.steps == 0 {
         follow((model, state, &frames), &mut stiffness, start, Target { masses, free, joints });
     }
-    arcs::predict(model, state, start, &stiffness, joints);
 }
 
 /// Let the stiffness follow the forces of the step itself, as they are without contacts.

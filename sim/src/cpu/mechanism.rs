@@ -9,7 +9,6 @@
 //! passes its limit is held.
 //! The stages are those of the CPU back end: `force`, `joint_write`, the elimination of `solve::joints`, `integrate`.
 
-use super::arcs;
 use super::integrate::moved_pose;
 use super::masses::Masses;
 use super::solve::bodies::{Falling, Recovery};
@@ -202,24 +201,15 @@ impl Mechanism {
         &mut self,
         model: &Model,
         state: &mut State,
-        (effects, mut share): (&[Effect], f64),
+        (effects, share): (&[Effect], f64),
         outcome: &mut StepOutcome,
     ) {
         self.respond(effects);
-        let left = self.follow_arcs(model, state, effects);
         if share > 0.0 {
             self.displace(effects);
         }
         if share > 0.0 && model.gravity == DVec3::ZERO {
             self.keep_angular_momentum(effects, 0.5 * share * model.step);
-        }
-        if !left.is_empty() {
-            let Mechanism { bodies, masses, joints, moved, .. } = self;
-            if share == 0.0 {
-                bodies.iter().for_each(|b| moved.twist[*b as usize] = Twist::default());
-                share = 1.0;
-            }
-            joints.correct(masses, &left, share.recip(), &mut moved.twist);
         }
         self.keep_limits();
         let rows = (&self.joint_start[..], &self.joints.rows[..]);
@@ -231,14 +221,6 @@ impl Mechanism {
             (state.position[b], state.orientation[b]) = (pose.position, pose.orientation);
             (state.velocity[b], state.angular_velocity[b]) = (motion.v, spin);
         }
-    }
-
-    /// Let what nothing touches move on its arcs. Returns what is left of those of the others.
-    fn follow_arcs(&mut self, model: &Model, state: &State, effects: &[Effect]) -> Vec<(usize, f64)> {
-        let Mechanism { bodies, masses, joint_start, joints, limits, held, response, .. } = self;
-        let pushed = bodies.iter().zip(effects).filter(|(_, e)| e.impulse != Twist::default()).map(|(b, _)| *b);
-        let at_limits = limits.rows.iter().zip(held).filter(|(_, is_held)| **is_held).flat_map(|(row, _)| row.bodies);
-        arcs::follow((model, state, masses), (joints, joint_start), pushed.chain(at_limits), response)
     }
 
     /// The displacement by the pushes, over the step.

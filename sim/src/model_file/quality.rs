@@ -107,8 +107,8 @@ impl Choice {
                 near: Some([level(2e-3, 1e-3, 1e-3), level(5e-3, 2e-3, 4e-4)]),
             },
             Kind::Any => Choice {
-                step: level(0.08, 0.04, 0.02),
-                longest: level(1.0 / 60.0, 1.0 / 120.0, 1.0 / 250.0),
+                step: level(0.08, 0.04, 0.01),
+                longest: level(1.0 / 60.0, 1.0 / 120.0, 1.0 / 500.0),
                 method: Method::Apgd,
                 friction: FrictionLaw::Relaxed,
                 iterations: None,

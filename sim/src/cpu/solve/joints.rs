@@ -13,7 +13,6 @@
 use super::response::Response;
 use super::sparse::{self, Factor, Front, Structure};
 use crate::cpu::masses::Masses;
-use crate::disjoint_sets::DisjointSets;
 use crate::joint::Row;
 use crate::twist::Twist;
 use glam::DMat3;
@@ -31,14 +30,8 @@ pub struct Joints {
     pub rows: Vec<Row>,
     /// `Ψ/h + ∂Ψ/∂t` and the terms of springs, m/s or rad/s (n_rows).
     pub bias: Vec<f64>,
-    /// The part of the bias that arcs have (n_rows).
-    pub arc: Vec<f64>,
-    /// Whether geometric stiffness acts on a joint or its bodies (n_joints).
-    pub is_stiff: Vec<bool>,
     /// Whether a body has rows (n_bodies).
     is_held: Vec<bool>,
-    /// The lowest of the moving bodies that rows couple with a body (n_bodies).
-    island: Vec<u32>,
     pattern: Pattern,
     factor: Factor,
     softness: Vec<f64>,
@@ -133,13 +126,8 @@ impl Joints {
     }
 
     fn analyse(&mut self, masses: &Masses) {
-        let moves = |body: u32| masses.inv_mass[body as usize] > 0.0;
-        self.factor = self.pattern.analyse(&self.rows, moves);
-        let mut islands = DisjointSets::new(masses.inv_mass.len());
-        let coupled = self.rows.iter().filter(|row| row.bodies.iter().all(|b| moves(*b)));
-        coupled.for_each(|row| islands.join(row.bodies));
-        self.island.clear();
-        self.island.extend((0..masses.inv_mass.len() as u32).map(|body| islands.of(body)));
+        let factor = self.pattern.analyse(&self.rows, |body| masses.inv_mass[body as usize] > 0.0);
+        self.factor = factor;
         self.is_held.clear();
         self.is_held.resize(masses.inv_mass.len(), false);
         self.pattern.held.iter().for_each(|body| self.is_held[*body as usize] = true);
@@ -189,12 +177,6 @@ impl Joints {
         !self.rows.is_empty() && self.is_held[body as usize]
     }
 
-    /// The lowest of the moving bodies that rows couple with a body, or itself.
-    #[inline]
-    pub fn island(&self, body: u32) -> u32 {
-        self.island[body as usize]
-    }
-
     /// Discard the sparsity pattern: other bodies move.
     pub fn invalidate(&mut self) {
         self.pattern.bodies.clear();
@@ -203,14 +185,6 @@ impl Joints {
     /// Discard all that the analysis has found.
     pub fn forget(&mut self) {
         self.pattern = Pattern::default();
-    }
-
-    /// Add `share` of what is given to the arcs of some rows, m/s or rad/s.
-    pub fn bend(&mut self, arcs: &[(usize, f64)], share: f64) {
-        for (row, arc) in arcs {
-            self.arc[*row] += arc * share;
-            self.bias[*row] += arc * share;
-        }
     }
 
     /// Reset the multipliers of a response to zero, for velocities without joints.
@@ -248,18 +222,6 @@ impl Joints {
             let more = more[*place as usize];
             *lambda += more;
             masses.apply_row_impulse(&mut response.twist, row, more);
-        }
-    }
-
-    /// Change velocities so that dΨ/dt of some rows becomes less by `share` of what is given, m/s or rad/s, and that of the others stays.
-    pub fn correct(&mut self, masses: &Masses, rates: &[(usize, f64)], share: f64, twist: &mut [Twist]) {
-        let rhs = self.factor.rows();
-        rhs.fill(0.0);
-        rates.iter().for_each(|(row, rate)| rhs[self.pattern.place[*row] as usize] = -rate * share);
-        self.factor.solve();
-        let lambda = self.factor.rows();
-        for (row, place) in self.rows.iter().zip(&self.pattern.place) {
-            masses.apply_row_impulse(twist, row, lambda[*place as usize]);
         }
     }
 
