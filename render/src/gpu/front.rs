@@ -194,8 +194,8 @@ impl<'a> Front<'a> {
     }
 
     /// Dice what comes next, until there are about so many points; nothing if all is diced. What a round comes to beyond the most that a wave
-    /// may have is left to the next. The grids are in the order of their turns, those of
-    /// later waves after those of earlier ones: of what is equally deep, the first is visible, however much is diced at a time.
+    /// may have is left to the next. The grids are in the order of their turns, those of later waves after those of earlier ones: of what is
+    /// equally deep, the first is visible, however much is diced at a time.
     pub fn wave(&mut self, window: &Window, n_points: usize, stats: &mut Stats) -> Vec<Diced> {
         loop {
             if !self.in_order {
@@ -224,13 +224,12 @@ impl<'a> Front<'a> {
     fn fit(&mut self, turns: Vec<(Turn, usize, Vec<Diced>)>) -> Vec<Diced> {
         let mut grids = Vec::with_capacity(turns.iter().map(|(.., own)| own.len()).sum());
         let (mut n_places, mut rest) = (0, vec![]);
-        for (turn, _, own) in turns {
+        for (turn, _, mut own) in turns {
             let mut fits = |grid: &Diced| {
                 n_places += grid.n_places();
                 n_places <= self.most
             };
             let at = if rest.is_empty() { own.iter().position(|grid| !fits(grid)).unwrap_or(own.len()) } else { 0 };
-            let mut own = own;
             let later = own.split_off(if grids.is_empty() { at.max(1).min(own.len()) } else { at });
             grids.extend(own);
             if !later.is_empty() {

@@ -465,12 +465,13 @@ fn jumps(resolved: &mut Resolved) {
     const JUMP: f64 = 1e-2;
     let Resolved { model, state, warnings, .. } = resolved;
     for (joint, now) in model.joints.iter().zip(&state.joints) {
-        let Some([goal, is]) = joint.driven(now, 0.0).filter(|_| joint.acts(0.0)) else { continue };
+        let Some(Motor::Position(motion)) = joint.motor.as_ref().filter(|_| joint.acts(0.0)) else { continue };
+        let (goal, is) = (motion.at(0.0), now.coordinate);
         let is_angle = joint.kind.coordinate() == Some(Coordinate::Angle);
         let of_joint = |s: &usize| joint.bodies.contains(&model.shape_body[*s]) && !model.shape_kind[*s].is_surface();
         let sizes = (0..model.n_shapes()).filter(of_joint).map(|s| model.shape_size[s].max_element());
         let (size, unit) = if is_angle { (1.0, "rad") } else { (sizes.fold(0.0, f64::max), "m") };
-        if matches!(joint.motor, Some(Motor::Position(_))) && (goal - is).abs() > JUMP * size.max(1e-3) {
+        if (goal - is).abs() > JUMP * size.max(1e-3) {
             warnings.push(format!(
                 "the motor of joint `{}` begins at {goal:.3} {unit}, where the joint is at {is:.3} {unit}: the first step jumps there",
                 joint.name
