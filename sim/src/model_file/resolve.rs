@@ -491,18 +491,20 @@ fn overlaps(resolved: &mut Resolved, doc: &Document, key_of: &BTreeMap<u32, Stri
             _ => model.shape_size[s as usize].min_element(),
         });
         let radius = radius[0].min(radius[1]);
-        let [a, b] = o.bodies.map(|b| model.body_label(b as usize));
-        let text = format!("bodies {a} and {b} overlap by {:.3e} m at the start", o.depth);
+        let text = || {
+            let [a, b] = o.bodies.map(|b| model.body_label(b as usize));
+            format!("bodies {a} and {b} overlap by {:.3e} m at the start", o.depth)
+        };
         if o.depth > radius {
             let key = o.bodies.iter().rev().find_map(|b| key_of.get(b)).cloned().unwrap_or_default();
-            return Err(doc.fault(&key, format!("{text}, more than a radius of {radius:.3e} m")).hint(
+            return Err(doc.fault(&key, format!("{}, more than a radius of {radius:.3e} m", text())).hint(
                 "move one of them, put them in groups that pass through each other, or connect them by a joint",
             ));
         }
         if o.depth > 0.1 * radius {
             n_warned += 1;
             if n_warned <= 5 {
-                warnings.push(text);
+                warnings.push(text());
             }
         }
     }
