@@ -66,10 +66,11 @@ struct Closing {
 
 /// The columns of visits to contacts of spheres.
 struct SphereVisits {
-    /// What the visits of each tile need of their contacts, and their impulses, in their order (n_pairs).
+    /// What the visits of each tile need of their contacts, their impulses, and the contacts, in their order (n_pairs).
     visits: Buffer<[u32; 12]>,
     impulses: Buffer<[f32; 4]>,
-    /// The tiles in which any pair touches (n_tiles).
+    contact_of: Buffer<u32>,
+    /// The tiles with the numbers of their visits (n_tiles).
     swept: Buffer<[u32; 4]>,
 }
 
@@ -108,6 +109,7 @@ impl Visits {
                 columns: Box::new(SphereVisits {
                     visits: Buffer::zeros(device, "visits", tiles.order.capacity())?,
                     impulses: Buffer::zeros(device, "impulses of visits", tiles.order.capacity())?,
+                    contact_of: Buffer::zeros(device, "contacts of visits", tiles.order.capacity())?,
                     swept: Buffer::zeros(device, "swept tiles", tiles.visited.capacity())?,
                 }),
             },
@@ -232,7 +234,8 @@ impl GaussSeidel {
         if let Visits::Spheres { gather, columns, .. } = &self.visits {
             let of_tiles = [c.tile.bind(), c.order.bind(), c.place.bind(), c.round_start.bind()];
             let of_contacts = [problem.row(), problem.motion.bind(), problem.gamma.bind()];
-            let out = [columns.visits.bind(), columns.impulses.bind(), columns.swept.bind()];
+            let SphereVisits { visits, impulses, contact_of, swept } = &**columns;
+            let out = [visits.bind(), impulses.bind(), contact_of.bind(), swept.bind()];
             let bound: Vec<Bound> = of_tiles.into_iter().chain(of_contacts).chain(out).collect();
             self.over_tiles(device, commands, (gather, &bound, &[self.params[1]]));
         }
@@ -246,10 +249,9 @@ impl GaussSeidel {
     /// Record the end: the impulses of the contacts are those of their visits.
     pub fn record_end(&self, device: &Device, commands: &mut Commands, problem: &Problem) {
         if let Visits::Spheres { end, columns, .. } = &self.visits {
-            let c = &self.columns;
-            let of_tiles = [c.tile.bind(), c.order.bind(), c.place.bind()];
-            let out = [columns.impulses.bind(), c.round_start.bind(), problem.gamma.bind()];
-            let bound: Vec<Bound> = of_tiles.into_iter().chain(out).collect();
+            let SphereVisits { impulses, contact_of, swept, .. } = &**columns;
+            let round_start = self.columns.round_start.bind();
+            let bound = [swept.bind(), contact_of.bind(), impulses.bind(), round_start, problem.gamma.bind()];
             self.over_tiles(device, commands, (end, &bound, &[]));
         }
     }
@@ -343,7 +345,7 @@ impl GaussSeidel {
         let [roll, roll_row] = problem.rolling();
         match &self.visits {
             Visits::Spheres { columns, .. } => {
-                let SphereVisits { visits, impulses, swept } = &**columns;
+                let SphereVisits { visits, impulses, swept, .. } = &**columns;
                 let sweep =
                     [visits.bind(), swept.bind()].into_iter().chain(of_tiles).chain([impulses.bind(), moved, scalars]);
                 let rest = [row, place].into_iter().chain(of_big);

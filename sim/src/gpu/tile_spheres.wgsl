@@ -1,7 +1,7 @@
 // Gauss–Seidel over the tiles of a round of spheres, a workgroup of `THREADS` for each: the tile's bodies are loaded into the memory of the workgroup,
-// each thread takes up to four visits, which are made colour by colour several times, and all is written back once; visits beyond those stay in
-// memory. The tiles of a round share no moving body. With the columns of the kernel: visits, tiles, tile_body, round_start, motion, impulses, moved,
-// scalars and params of tile_sweep.wgsl.
+// each thread takes up to four visits, which are made colour by colour several times, and all is written back once; visits beyond those, of the most
+// crowded tiles, stay in memory. The tiles of a round share no moving body. With the columns of the kernel: visits, tiles, tile_body, round_start, motion,
+// impulses, moved, scalars and params of tile_sweep.wgsl.
 #import visit
 #import tile_visit
 #import scalars
@@ -20,7 +20,7 @@ fn color_of(visit: TileVisit) -> u32 {
     return visit.cone.w >> 18u;
 }
 
-// The visit of an index of the tile whose pairs begin at `base`; one of no colour if there is no such.
+// The visit of an index of the tile whose visits begin at `base`; one of no colour if there is no such.
 fn visit_at(base: u32, i: u32, n: u32) -> Own {
     var own: Own;
     own.visit.cone.w = NO_VISIT;
@@ -119,11 +119,13 @@ fn sweep_tile(tile: u32, thread: u32) {
             if color_of(own3.visit) == color {
                 term += visit(&own3, is_first);
             }
-            for (var i = KEPT + thread; i < n; i += THREADS) {
-                if color_of(visits[base + i]) == color {
-                    var other = visit_at(base, i, n);
-                    term += visit(&other, is_first);
-                    impulses[base + i] = vec4(other.impulse, 0.0);
+            if n > KEPT {
+                for (var i = KEPT + thread; i < n; i += THREADS) {
+                    if color_of(visits[base + i]) == color {
+                        var other = visit_at(base, i, n);
+                        term += visit(&other, is_first);
+                        impulses[base + i] = vec4(other.impulse, 0.0);
+                    }
                 }
             }
         }

@@ -18,7 +18,7 @@ fn visited(n: vec3<f32>, friction: f32, before: vec3<f32>, gradient: vec3<f32>, 
     let before_n = dot(before, n);
     let gradient_n = dot(gradient, n);
     let normal = before_n - gradient_n * metric.x;
-    let tangent = before - n * before_n - (gradient - n * gradient_n) * metric.y;
+    let tangent = before - gradient * metric.y - n * (before_n - gradient_n * metric.y);
     let size2 = dot(tangent, tangent);
     // The least positive number of full precision: a tangent of no length keeps none.
     let per_size = inverseSqrt(max(size2, 1.2e-38));
