@@ -6,9 +6,8 @@ var<workgroup> some: atomic<u32>;
 var<workgroup> shared_number: u32;
 var<private> lane: u32;
 
-// A number that all points have, known to be the same for all.
+// A number that all points have, known to be the same for all. Who reads what is shared so waits for all others to have read it.
 fn sl_uniform(x: u32) -> u32 {
-    workgroupBarrier();
     if lane == 0u {
         shared_number = x;
     }
@@ -17,7 +16,6 @@ fn sl_uniform(x: u32) -> u32 {
 
 // Whether any point is active.
 fn sl_any(on: bool) -> bool {
-    workgroupBarrier();
     if lane == 0u {
         atomicStore(&some, 0u);
     }
@@ -25,11 +23,7 @@ fn sl_any(on: bool) -> bool {
     if on {
         atomicStore(&some, 1u);
     }
-    workgroupBarrier();
-    if lane == 0u {
-        shared_number = atomicLoad(&some);
-    }
-    return workgroupUniformLoad(&shared_number) != 0u;
+    return workgroupUniformLoad(&some) != 0u;
 }
 
 fn sl_difference(here: u32, count: u32, stride: u32) -> vec4<f32> {
@@ -96,28 +90,45 @@ fn sl_determinant(a: f32, b: f32, c: f32, d: f32) -> f32 {
     return sl_rounded(a * d) - sl_rounded(b * c);
 }
 
+// The derivative along u of a value that changes by `x`, by u and v, which change by those of `of_uv`.
+fn sl_along_u(x: vec2<f32>, of_uv: Differences) -> f32 {
+    let v = vec2<f32>(of_uv.row.y, of_uv.column.y);
+    return sl_divide(sl_determinant(x.x, x.y, v.x, v.y), sl_determinant(of_uv.row.x, of_uv.column.x, v.x, v.y));
+}
+
+fn sl_along_v(x: vec2<f32>, of_uv: Differences) -> f32 {
+    let u = vec2<f32>(of_uv.row.x, of_uv.column.x);
+    return sl_divide(sl_determinant(u.x, u.y, x.x, x.y), sl_determinant(u.x, u.y, of_uv.row.y, of_uv.column.y));
+}
+
 fn sl_du(x: f32, u: f32, v: f32) -> f32 {
-    let d = sl_differences(vec4<f32>(x, u, v, 0.0));
-    return sl_divide(
-        sl_determinant(d.row.x, d.column.x, d.row.z, d.column.z),
-        sl_determinant(d.row.y, d.column.y, d.row.z, d.column.z),
-    );
+    let d = sl_differences(vec4<f32>(u, v, x, 0.0));
+    return sl_along_u(vec2<f32>(d.row.z, d.column.z), d);
 }
 
 fn sl_dv(x: f32, u: f32, v: f32) -> f32 {
-    let d = sl_differences(vec4<f32>(x, u, v, 0.0));
-    return sl_divide(
-        sl_determinant(d.row.y, d.column.y, d.row.x, d.column.x),
-        sl_determinant(d.row.y, d.column.y, d.row.z, d.column.z),
-    );
+    let d = sl_differences(vec4<f32>(u, v, x, 0.0));
+    return sl_along_v(vec2<f32>(d.row.z, d.column.z), d);
 }
 
 fn sl_du3(x: vec3<f32>, u: f32, v: f32) -> vec3<f32> {
-    return vec3<f32>(sl_du(x.x, u, v), sl_du(x.y, u, v), sl_du(x.z, u, v));
+    let d = sl_differences(vec4<f32>(x, 0.0));
+    let of_uv = sl_differences(vec4<f32>(u, v, 0.0, 0.0));
+    return vec3<f32>(
+        sl_along_u(vec2<f32>(d.row.x, d.column.x), of_uv),
+        sl_along_u(vec2<f32>(d.row.y, d.column.y), of_uv),
+        sl_along_u(vec2<f32>(d.row.z, d.column.z), of_uv),
+    );
 }
 
 fn sl_dv3(x: vec3<f32>, u: f32, v: f32) -> vec3<f32> {
-    return vec3<f32>(sl_dv(x.x, u, v), sl_dv(x.y, u, v), sl_dv(x.z, u, v));
+    let d = sl_differences(vec4<f32>(x, 0.0));
+    let of_uv = sl_differences(vec4<f32>(u, v, 0.0, 0.0));
+    return vec3<f32>(
+        sl_along_v(vec2<f32>(d.row.x, d.column.x), of_uv),
+        sl_along_v(vec2<f32>(d.row.y, d.column.y), of_uv),
+        sl_along_v(vec2<f32>(d.row.z, d.column.z), of_uv),
+    );
 }
 
 // The cross product of the ways to the next point of the row and of the column.
