@@ -13,7 +13,7 @@ use bind::data::{Source, Store};
 use bind::metadata::Data;
 use bind::{Binding, Up};
 use frame::run::{COMMANDS, RunReader, RunWriter, WarningEntry};
-use frame::{Fault, Frame};
+use frame::{Fault, Frame, list};
 use sim::model_file::ModelFile;
 use sim::run::{self, Observer, RunError};
 use sim::watch::{Warning, WarningKind};
@@ -125,23 +125,37 @@ fn say_what_is_there(file: &ModelFile, folder: &Path, resume: bool) -> Outcome {
 
 /// Provide the frames of a job with their metadata: a model is simulated first.
 pub fn provide(job: FramesJob) -> Outcome<(Binding, Source)> {
-    let FramesJob { binding, origin, home, .. } = job;
-    let of_run = || Outcome::Ok(Store::Run(RunReader::open(&home)?).into());
+    let FramesJob { input, binding, origin, home } = job;
     let source = match origin {
         Origin::Data(source) => *source,
-        Origin::Finished => {
+        Origin::Finished(run) => {
             eprintln!("simulation: {} holds the finished run of this model", home.display());
-            of_run()?
+            warn_of_damaged(&run, &input);
+            Store::Run(*run).into()
         }
         Origin::Model(model) => {
             simulate(*model, Onward::Again, None)?;
-            of_run()?
+            Store::Run(RunReader::open(&home)?).into()
         }
     };
     match binding {
         Some(binding) => Ok((binding, source)),
         None => source::metadata_of_run(&home),
     }
+}
+
+/// Warn of frames of a finished run that cannot be drawn any more: it is not simulated again unasked.
+fn warn_of_damaged(run: &RunReader, input: &Path) {
+    let damaged = run.damaged();
+    if damaged.is_empty() {
+        return;
+    }
+    let [input, home] = [input, &run.folder].map(|path| guard::text::shell_word(&path.display().to_string()));
+    eprintln!(
+        "warning: {} of {home} {} lost or damaged: `scree run {input} -o {home} --fresh` simulates it again",
+        list::describe(&damaged),
+        if damaged.len() == 1 { "is" } else { "are" }
+    );
 }
 
 /// Fail if a run has warnings: its data exists, but is not to be trusted.
