@@ -43,7 +43,7 @@ pub fn simulate(job: ModelRun, onward: Onward, arrivals: Option<&Arrivals>) -> O
     for place in [folder.clone(), folder.join("frames"), folder.join("checkpoints")] {
         frame::atomic::sweep(&place);
     }
-    say_what_is_there(&file, &folder, span.resume)?;
+    say_what_is_there(&file, &folder, span.resume, onward)?;
     note_command(&folder, span.resume)?;
     let up = Up::against(resolved.model.gravity.to_array());
     let mut console = Console { progress: None, interruption: Listener::new(), up, arrivals };
@@ -109,7 +109,7 @@ fn note_command(folder: &Path, resume: bool) -> Outcome {
 }
 
 /// Say that a run of the same model is simulated again, or that there is none to resume.
-fn say_what_is_there(file: &ModelFile, folder: &Path, resume: bool) -> Outcome {
+fn say_what_is_there(file: &ModelFile, folder: &Path, resume: bool, onward: Onward) -> Outcome {
     let can_resume = checkpoint::latest(folder)?.is_some();
     if resume && !can_resume {
         eprintln!("note: {} has no checkpoint to resume from: the simulation begins at 0 s", folder.display());
@@ -117,7 +117,10 @@ fn say_what_is_there(file: &ModelFile, folder: &Path, resume: bool) -> Outcome {
     let there = RunReader::open(folder).ok().filter(|run| run.index.model_hash == run::model_hash(file));
     if let Some(run) = there.filter(|run| !resume && !run.index.frames.is_empty()) {
         let (n, all) = (run.index.frames.len(), run.index.expected_frames);
-        let way = if can_resume { "; --resume goes on from its last checkpoint" } else { "" };
+        let way = match onward {
+            Onward::Resume if can_resume => "; --resume goes on from its last checkpoint",
+            Onward::Resume | Onward::Again => "",
+        };
         eprintln!("note: {} held {n} of {all} frames of this model, which is simulated again{way}", folder.display());
     }
     Ok(())

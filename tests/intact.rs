@@ -62,7 +62,9 @@ fn a_finished_run_that_lost_frames_is_drawn_without_them() {
     // What goes on from its checkpoint needs them.
     let said = scree(&["simulate", model, "-o", home, "--resume"]).fails(4);
     assert!(said.contains("frames/000001.arrow"), "{said}");
-    draw(&["--fresh"]).ok();
+    let said = draw(&["--fresh"]);
+    said.ok();
+    assert!(said.errors().contains("which is simulated again\n"), "{}", said.errors());
     assert!(
         crate::cli::images(&run.join("images")).len() == 5
             && sound == std::fs::read(run.join("frames/000003.arrow")).unwrap()
