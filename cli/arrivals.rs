@@ -16,6 +16,17 @@ struct State {
     written: u64,
     /// Whether there will be no more, and whether the run is whole; none while it goes on.
     is_whole: Option<bool>,
+    /// Number of frames that are being drawn.
+    drawn: usize,
+}
+
+/// A frame that has arrived, and is drawn until this is dropped.
+pub struct Arrived<'a>(&'a Arrivals);
+
+impl Drop for Arrived<'_> {
+    fn drop(&mut self) {
+        self.0.state().drawn -= 1;
+    }
 }
 
 /// That a simulation has ended before its run was whole.
@@ -29,10 +40,18 @@ impl Arrivals {
         self.changed.notify_all();
     }
 
-    /// Tell that the simulation has ended; what was told first holds.
-    pub fn end(&self, is_whole: bool) {
-        self.state().is_whole.get_or_insert(is_whole);
+    /// Number of frames that are there.
+    pub fn n_written(&self) -> u64 {
+        self.state().written
+    }
+
+    /// Tell that the simulation has ended; what was told first holds. Returns the number of frames that are being drawn: where the run is not
+    /// whole no more are begun.
+    pub fn end(&self, is_whole: bool) -> usize {
+        let mut state = self.state();
+        state.is_whole.get_or_insert(is_whole);
         self.changed.notify_all();
+        state.drawn
     }
 
     /// Whether the simulation still goes on.
@@ -44,11 +63,15 @@ impl Arrivals {
     ///
     /// # Errors
     /// The simulation has ended early: of frames that are there, too.
-    pub fn wait(&self, frame: u64) -> Result<(), EndedEarly> {
+    pub fn wait(&self, frame: u64) -> Result<Arrived<'_>, EndedEarly> {
         let has_room = || guard::memory::used() < guard::memory::limit() / 4;
         let waits = |state: &mut State| state.is_whole.is_none() && !(frame < state.written && has_room());
-        let state = self.changed.wait_while(self.state(), waits).unwrap_or_else(PoisonError::into_inner);
-        if state.is_whole == Some(false) { Err(EndedEarly) } else { Ok(()) }
+        let mut state = self.changed.wait_while(self.state(), waits).unwrap_or_else(PoisonError::into_inner);
+        if state.is_whole == Some(false) {
+            return Err(EndedEarly);
+        }
+        state.drawn += 1;
+        Ok(Arrived(self))
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -91,6 +114,18 @@ mod tests {
                 assert!(!arrivals.goes_on());
             });
         }
+    }
+
+    /// Frames are drawn from their arrival until they are let go of.
+    #[test]
+    fn frames_that_are_drawn_are_counted() {
+        let arrivals = Arrivals::default();
+        arrivals.written(2);
+        let [first, second] = [0, 1].map(|frame| arrivals.wait(frame).unwrap());
+        drop(first);
+        assert_eq!((arrivals.n_written(), arrivals.end(false)), (2, 1));
+        drop(second);
+        assert!(arrivals.wait(0).is_err() && arrivals.end(false) == 0);
     }
 
     #[test]

@@ -89,7 +89,7 @@ fn along(
     std::thread::scope(|scope| {
         let _ends = Ends(&arrivals);
         let drawing = scope.spawn(|| {
-            arrivals.wait(0).map_err(|_| Failure::new(Exit::Interrupted, "no image is drawn"))?;
+            drop(arrivals.wait(0).map_err(|_| images::ended_early(0, 0))?);
             let source = Store::Run(RunReader::open(home)?).into();
             let drawn = images((binding, source, Some(arrivals.clone())), of, how, drawer);
             if let Err(failure) = &drawn
@@ -100,8 +100,8 @@ fn along(
             drawn
         });
         let simulated = model_run::simulate(*model, Onward::Again, Some(&arrivals));
-        arrivals.end(simulated.is_ok());
-        if simulated.is_err() && !drawing.is_finished() {
+        let n_drawn = arrivals.end(simulated.is_ok());
+        if simulated.is_err() && n_drawn > 0 {
             eprintln!("note: the simulation has ended early; images that are being drawn are finished");
         }
         let drawn = drawing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
@@ -111,10 +111,17 @@ fn along(
                 Ok((job, failed))
             }
             (Ok(()), Err(failure)) => Err(failure),
-            (Err(failure), Err(drawn)) if drawn.exit == Exit::Interrupted => {
-                Err(Failure { message: format!("{failure}\n  = {drawn}"), ..failure })
+            (Err(failure), Err(drawn)) if drawn.exit == Exit::Interrupted && arrivals.n_written() > 0 => {
+                let draws = format!("; `scree render {} -o DIR` draws the frames that are there", word(home));
+                let way = if failure.exit == Exit::Interrupted { "" } else { &draws };
+                Err(Failure { message: format!("{failure}\n  = {drawn}{way}"), ..failure })
             }
             (Err(failure), _) => Err(failure),
         }
     })
+}
+
+/// A path as a word of a command.
+fn word(path: &Path) -> String {
+    guard::text::shell_word(&path.display().to_string())
 }

@@ -2,7 +2,7 @@
 
 mod workers;
 
-use crate::arrivals::EndedEarly;
+use crate::arrivals::{Arrived, EndedEarly};
 use crate::batch::movie_images;
 use crate::device::Drawer;
 use crate::displays::{context, report_statistics, write, written};
@@ -133,13 +133,13 @@ fn render_pass(
     while !frames.is_empty() {
         let mut busy = vec![];
         let begin = |frame: u64| {
-            let source = work.source_with(frame)?;
+            let (source, arrived) = work.source_with(frame)?;
             let file = work.file(frame);
             let Some(claim) = claims.claim(&file) else { return Ok(None) };
-            Ok(Some(Begun { _claim: claim, drawn: work.drawn(frame, &file, &source, &drawer), file }))
+            Ok(Some(Begun { _held: (claim, arrived), drawn: work.drawn(frame, &file, &source, &drawer), file }))
         };
         let end = |frame: u64, begun: Result<Option<Begun<'_>>, EndedEarly>| {
-            let Some(Begun { _claim, drawn, file }) = begun.map_err(|_| ended_early(done, n))? else {
+            let Some(Begun { _held, drawn, file }) = begun.map_err(|_| ended_early(done, n))? else {
                 busy.push(frame);
                 return Ok(());
             };
@@ -174,8 +174,10 @@ fn render_pass(
 }
 
 /// Why no more images are drawn of a simulation that has ended before its run was whole.
-fn ended_early(done: u64, n: usize) -> Failure {
-    Failure::new(Exit::Interrupted, format!("{done} of {n} images are done, and stay"))
+pub fn ended_early(done: u64, n: usize) -> Failure {
+    let message =
+        if done == 0 { "no image is drawn".into() } else { format!("{done} of {n} images are done, and stay") };
+    Failure::new(Exit::Interrupted, message)
 }
 
 /// What has come of the images of a pass so far, in the order of their frames.
@@ -219,9 +221,9 @@ struct Work<'a> {
     overlays: Prepared,
 }
 
-/// An image that this process has a claim on, and its file.
+/// An image that this process has a claim on, its frame, where that has just arrived, and its file.
 struct Begun<'a> {
-    _claim: Claim<'a>,
+    _held: (Claim<'a>, Option<Arrived<'a>>),
     drawn: Outcome<Drawn>,
     file: String,
 }
@@ -255,9 +257,9 @@ impl<'a> Work<'a> {
     ///
     /// # Errors
     /// The simulation has ended before.
-    fn source_with(&self, frame: u64) -> Result<Arc<Source>, EndedEarly> {
-        let Some(arrivals) = &self.job.arrivals else { return Ok(locked(&self.source).clone()) };
-        arrivals.wait(frame)?;
+    fn source_with(&self, frame: u64) -> Result<(Arc<Source>, Option<Arrived<'a>>), EndedEarly> {
+        let Some(arrivals) = &self.job.arrivals else { return Ok((locked(&self.source).clone(), None)) };
+        let arrived = arrivals.wait(frame)?;
         let mut source = locked(&self.source);
         if let Store::Run(run) = &source.store
             && !run.has(frame)
@@ -265,7 +267,7 @@ impl<'a> Work<'a> {
         {
             *source = Arc::new(source.grown(run));
         }
-        Ok(source.clone())
+        Ok((source.clone(), Some(arrived)))
     }
 
     fn hashes(&self) -> MutexGuard<'_, Hashes> {

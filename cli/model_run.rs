@@ -13,7 +13,7 @@ use bind::data::{Source, Store};
 use bind::metadata::Data;
 use bind::{Binding, Up};
 use frame::run::{COMMANDS, RunReader, RunWriter, WarningEntry};
-use frame::{Fault, Frame};
+use frame::{Fault, Frame, list};
 use sim::model_file::ModelFile;
 use sim::run::{self, Observer, RunError};
 use sim::watch::{Warning, WarningKind};
@@ -43,7 +43,7 @@ pub fn simulate(job: ModelRun, onward: Onward, arrivals: Option<&Arrivals>) -> O
     for place in [folder.clone(), folder.join("frames"), folder.join("checkpoints")] {
         frame::atomic::sweep(&place);
     }
-    say_what_is_there(&file, &folder, span.resume)?;
+    say_what_is_there(&file, &folder, span.resume, onward)?;
     note_command(&folder, span.resume)?;
     let up = Up::against(resolved.model.gravity.to_array());
     let mut console = Console { progress: None, interruption: Listener::new(), up, arrivals };
@@ -109,7 +109,7 @@ fn note_command(folder: &Path, resume: bool) -> Outcome {
 }
 
 /// Say that a run of the same model is simulated again, or that there is none to resume.
-fn say_what_is_there(file: &ModelFile, folder: &Path, resume: bool) -> Outcome {
+fn say_what_is_there(file: &ModelFile, folder: &Path, resume: bool, onward: Onward) -> Outcome {
     let can_resume = checkpoint::latest(folder)?.is_some();
     if resume && !can_resume {
         eprintln!("note: {} has no checkpoint to resume from: the simulation begins at 0 s", folder.display());
@@ -117,7 +117,10 @@ fn say_what_is_there(file: &ModelFile, folder: &Path, resume: bool) -> Outcome {
     let there = RunReader::open(folder).ok().filter(|run| run.index.model_hash == run::model_hash(file));
     if let Some(run) = there.filter(|run| !resume && !run.index.frames.is_empty()) {
         let (n, all) = (run.index.frames.len(), run.index.expected_frames);
-        let way = if can_resume { "; --resume goes on from its last checkpoint" } else { "" };
+        let way = match onward {
+            Onward::Resume if can_resume => "; --resume goes on from its last checkpoint",
+            Onward::Resume | Onward::Again => "",
+        };
         eprintln!("note: {} held {n} of {all} frames of this model, which is simulated again{way}", folder.display());
     }
     Ok(())
@@ -125,23 +128,37 @@ fn say_what_is_there(file: &ModelFile, folder: &Path, resume: bool) -> Outcome {
 
 /// Provide the frames of a job with their metadata: a model is simulated first.
 pub fn provide(job: FramesJob) -> Outcome<(Binding, Source)> {
-    let FramesJob { binding, origin, home, .. } = job;
-    let of_run = || Outcome::Ok(Store::Run(RunReader::open(&home)?).into());
+    let FramesJob { input, binding, origin, home } = job;
     let source = match origin {
         Origin::Data(source) => *source,
-        Origin::Finished => {
+        Origin::Finished(run) => {
             eprintln!("simulation: {} holds the finished run of this model", home.display());
-            of_run()?
+            warn_of_damaged(&run, &input);
+            Store::Run(*run).into()
         }
         Origin::Model(model) => {
             simulate(*model, Onward::Again, None)?;
-            of_run()?
+            Store::Run(RunReader::open(&home)?).into()
         }
     };
     match binding {
         Some(binding) => Ok((binding, source)),
         None => source::metadata_of_run(&home),
     }
+}
+
+/// Warn of frames of a finished run that cannot be drawn any more: it is not simulated again unasked.
+fn warn_of_damaged(run: &RunReader, input: &Path) {
+    let damaged = run.damaged();
+    if damaged.is_empty() {
+        return;
+    }
+    let [input, home] = [input, &run.folder].map(|path| guard::text::shell_word(&path.display().to_string()));
+    eprintln!(
+        "warning: {} of {home} {} lost or damaged: `scree run {input} -o {home} --fresh` simulates it again",
+        list::describe(&damaged),
+        if damaged.len() == 1 { "is" } else { "are" }
+    );
 }
 
 /// Fail if a run has warnings: its data exists, but is not to be trusted.

@@ -40,6 +40,15 @@ pub fn encode(images: &[PathBuf], output: &MovieFile, frame_rate: f64) -> Outcom
     Ok(movie)
 }
 
+/// The file of a movie that would be replaced.
+pub fn there(output: &MovieFile) -> Option<PathBuf> {
+    let path = match output {
+        MovieFile::OfKind(_, path) => path.clone(),
+        MovieFile::Stem(stem) => with_ending(stem, if ffmpeg_version().is_some() { "mp4" } else { "apng" }),
+    };
+    Some(path).filter(|path| path.is_file())
+}
+
 /// The kind of movie and its path, as far as this machine can encode it.
 fn choose(output: &MovieFile) -> Outcome<(MovieKind, PathBuf)> {
     let has_ffmpeg = ffmpeg_version().is_some();

@@ -19,9 +19,25 @@ pub fn run(job: RunJob) -> Outcome {
     }
     // A movie that jumps over frames would be taken for a whole one.
     failed.outcome(n, "the others were rendered, and no movie is written")?;
-    encode(&images, &job.movie)?;
+    if job.options.frames.is_some()
+        && has_others(&images)
+        && let Some(movie) = movie::there(&job.movie)
+    {
+        eprintln!(
+            "note: {} stays as it is: there are images of other frames than those of --frames; the same command without --frames makes it of all",
+            movie.display()
+        );
+    } else {
+        encode(&images, &job.movie)?;
+    }
     images::check_missing(&images)?;
     if is_simulated { model_run::check_warnings(&home) } else { Ok(()) }
+}
+
+/// Whether there are images of other frames of the data than those of the job.
+fn has_others(images: &ImageJob) -> bool {
+    let is_other = |frame: &u64| !images.frames.contains(frame) && images.image(*frame).is_file();
+    images.source.numbers().iter().any(is_other)
 }
 
 /// Make the movie of a job's images, and return its file; of EXR images there is none.

@@ -158,6 +158,31 @@ fn a_simulation_that_fails_ends_the_drawing() {
     assert!(!said.said().contains("movie"), "{}", said.said());
 }
 
+/// What ends a simulation before any frame is there says nothing of images, of which none is under way.
+#[test]
+fn a_simulation_that_cannot_begin_says_nothing_of_images() {
+    let work = Work::new(MODEL, METADATA);
+    let taken = work.at("taken");
+    std::fs::write(&taken, "a file").unwrap();
+    let said = work.run("taken/run", &[]).fails(1);
+    assert!(said.contains("commands.txt: cannot be written") && !said.contains("image"), "{said}");
+    // One that diverges as soon as its first frame is there: the image of that is drawn, or none, and it is said which.
+    let pull = "springs:\n  - {name: s, a: world, b: bob, position: [-1, 0, 3], position_b: [0, 0, 0], stiffness: 1e+18, rest: 0.9}\n";
+    let bob = "  - {name: bob, material: stone, sphere: {radius: 0.1}, position: [0, 0, 3]}\nfills:";
+    let model = format!("{}on_divergence: stop\n{pull}", MODEL.replace("fills:", bob));
+    let work = Work::new(&model, METADATA);
+    let said = work.run("run", &[]).fails(4);
+    let home = work.at("run");
+    let n_images = usize::from(home.join("images/000000.png").exists());
+    let drawn = if n_images == 1 { "1 of 8 images are done, and stay" } else { "no image is drawn" };
+    let draws = format!("{drawn}; `scree render {} -o DIR` draws the frames that are there", home.display());
+    assert!(said.contains("frames before 1 are kept") && said.contains(&draws), "{said}");
+    assert!(n_images == 1 || !said.contains("images that are being drawn"), "{said}");
+    let other = work.at("other").display().to_string();
+    scree(&["render", home.to_str().unwrap(), "-o", &other, "--res", "32x18", "--samples", "1"]).fails(5);
+    assert_eq!(images(Path::new(&other)).len(), 1);
+}
+
 /// A signal ends both; the same command goes on to the same images.
 #[cfg(unix)]
 #[test]

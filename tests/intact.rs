@@ -41,6 +41,36 @@ fn links_lead_no_run_out_of_its_folder() {
     scree(&["simulate", model, "-o", home, "--resume"]).ok();
 }
 
+/// A finished run that has lost frames since is not simulated again unasked: the others are drawn, and it is said how it is repaired.
+#[test]
+fn a_finished_run_that_lost_frames_is_drawn_without_them() {
+    let work = scratch();
+    let (model, run) = (work.path().join("m.yaml"), work.path().join("run"));
+    std::fs::write(&model, BALL).unwrap();
+    let (model, home) = (model.to_str().unwrap(), run.to_str().unwrap());
+    let draw = |more: &[&str]| scree(&[&["run", model, "-o", home, "--res", "16x16", "--samples", "1"], more].concat());
+    scree(&["simulate", model, "-o", home]).ok();
+    let sound = std::fs::read(run.join("frames/000003.arrow")).unwrap();
+    std::fs::write(run.join("frames/000003.arrow"), &sound[..sound.len() / 2]).unwrap();
+    std::fs::remove_file(run.join("frames/000001.arrow")).unwrap();
+    let said = draw(&[]).fails(5);
+    let repairs = format!("2 frames from 1 to 3 of {home} are lost or damaged: `scree run {model} -o {home} --fresh`");
+    assert!(said.contains(&repairs) && said.contains("2 of 5 frames could not be rendered (1, 3)"), "{said}");
+    assert!(!said.contains("simulating"), "{said}");
+    assert_eq!(crate::cli::images(&run.join("images")).len(), 3);
+    draw(&["-f", "0"]).ok();
+    // What goes on from its checkpoint needs them.
+    let said = scree(&["simulate", model, "-o", home, "--resume"]).fails(4);
+    assert!(said.contains("frames/000001.arrow"), "{said}");
+    let said = draw(&["--fresh"]);
+    said.ok();
+    assert!(said.errors().contains("which is simulated again\n"), "{}", said.errors());
+    assert!(
+        crate::cli::images(&run.join("images")).len() == 5
+            && sound == std::fs::read(run.join("frames/000003.arrow")).unwrap()
+    );
+}
+
 #[test]
 fn inputs_are_not_replaced_by_what_is_made_of_them() {
     let work = scratch();

@@ -279,3 +279,34 @@ fn an_interrupted_movie_leaves_nothing() {
     let left: Vec<_> = std::fs::read_dir(&folder).unwrap().flatten().map(|e| e.path()).collect();
     assert!(left.is_empty(), "{left:?}");
 }
+
+/// A part of a film's images does not take the place of its movie.
+#[test]
+fn the_movie_of_all_images_is_not_replaced_by_that_of_a_part() {
+    let work = scratch();
+    let (model, home) = (work.path().join("m.yaml"), work.path().join("run"));
+    let ball = "bodies: [{name: ball, material: m, sphere: {radius: 0.1}, position: [0, 0, 0.1]}]\n";
+    let text = format!(
+        "step: 0.01\nduration: 0.2\nframe_rate: 20\nmaterials: {{m: {{density: 1000, friction: 0.5}}}}\n{ball}"
+    );
+    std::fs::write(&model, text).unwrap();
+    let run = |more: &[&str]| {
+        let words = ["run", model.to_str().unwrap(), "-o", home.to_str().unwrap(), "--res", "16x16", "--samples", "1"];
+        scree(&[&words, more].concat())
+    };
+    let movie = || ["m.mp4", "m.apng"].iter().find_map(|name| std::fs::read(home.join(name)).ok()).unwrap();
+    run(&["-f", "0"]).ok();
+    let of_one = movie();
+    // What it was made of is in what it is made of now.
+    run(&["-f", "0-1"]).ok();
+    let of_two = movie();
+    assert_ne!(of_one, of_two);
+    run(&[]).ok();
+    let whole = movie();
+    assert_ne!(whole, of_two);
+    let said = run(&["-f", "3", "--redraw"]);
+    assert!(said.ok().contains("images: 1") && !said.said().contains("movie:"), "{}", said.said());
+    assert!(said.errors().contains("stays as it is: there are images of other frames"), "{}", said.errors());
+    assert_eq!(movie(), whole);
+    assert!(run(&["-f", "0-3"]).ok().contains("movie:"));
+}

@@ -56,7 +56,7 @@ fn the_run_of_another_model_is_replaced_only_on_request() {
     for command in ["simulate", "run"] {
         let said = scree(&[command, &model, "-o", &run]).fails(2);
         assert!(said.contains("another model (5 frames); changed since: fills.stones.radius.1"), "{said}");
-        assert!(said.contains("--fresh"), "{said}");
+        assert!(said.contains(&format!("`scree {command} --fresh` replaces it")), "{said}");
     }
     let said = scree(&["simulate", &model, "-o", &run, "--resume"]).fails(2);
     assert!(said.contains("another model"), "{said}");

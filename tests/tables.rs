@@ -305,7 +305,7 @@ fn swapped_ranges_and_tabs_are_explained() {
 }
 
 #[test]
-fn a_joint_that_begins_beyond_its_limits_is_told_where_it_begins() {
+fn a_joint_is_told_where_it_may_not_begin() {
     let work = scratch();
     let model = work.path().join("m.yaml");
     let check = |joint: &str| {
@@ -323,6 +323,19 @@ fn a_joint_that_begins_beyond_its_limits_is_told_where_it_begins() {
     // What begins at its limit, and what acts only later, is well.
     check("kind: revolute, limits: [0, 90]").ok();
     check("kind: revolute, from: 0.005, limits: [5, 90]").ok();
+    // A point that is to stay on a plane, which it may come to later.
+    let said = check("kind: point_on_plane, position: [1, 0, 0], position_b: [1, 2, -0.25]").fails(3);
+    assert!(
+        said.contains("m.yaml:5:") && said.contains("position_b") && said.contains("is 0.250000 m off the plane"),
+        "{said}"
+    );
+    check("kind: point_on_plane, position: [1, 0, 0], position_b: [1, 2, -0.25], from: 0.005").ok();
+    check("kind: point_on_plane, position_b: [0.6, 0.8, 0], axis: [0.8, -0.6, 0]").ok();
+    check("kind: point_on_plane, position_b: [0.707107, 0.707107, 3], axis: [0.577, -0.577, 0]").ok();
+    // A length that begins elsewhere is taken to, as a motor's motion.
+    let length = |m: f64| check(&format!("kind: distance, position_b: [1, 0, 0], length: {m}")).errors();
+    assert!(length(0.8).contains("the length of joint `j` begins at 0.800 m, where the joint is at 1.000 m"));
+    assert!(!length(1.0).contains("begins at"));
 }
 
 /// The image of a table by the metadata that `inspect` wrote for it.

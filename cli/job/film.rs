@@ -304,7 +304,7 @@ fn simulation(
         return Ok(());
     }
     run_folder::spare_model(&simulation.model, &file, &plan.home)?;
-    run_folder::check(&file, &plan.home, None)?;
+    run_folder::check(&file, &plan.home, None, "scree simulate")?;
     if let Some(binding) = binding {
         source::check_library(binding)?;
     }
@@ -356,7 +356,7 @@ pub fn images_made_of(made: &MadeOf, folder: &Path, more: &[u64]) -> Outcome<Opt
     };
     let source = match origin {
         Origin::Data(source) => *source,
-        Origin::Finished => Store::Run(RunReader::open(made.home())?).into(),
+        Origin::Finished(run) => Store::Run(*run).into(),
         Origin::Model(_) => return Ok(None),
     };
     let (binding, source) = match binding {
@@ -418,7 +418,7 @@ fn data_without_simulation(plan: &Plan) -> Outcome<(Binding, Source)> {
     };
     let source = match origin {
         Origin::Data(source) => *source,
-        Origin::Finished => Store::Run(RunReader::open(&plan.home)?).into(),
+        Origin::Finished(run) => Store::Run(*run).into(),
         Origin::Model(_) => {
             let message = "the model has changed since the film was submitted: submit it again";
             return Err(Failure::new(Exit::Usage, message));

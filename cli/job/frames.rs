@@ -30,8 +30,8 @@ pub struct FramesJob {
 pub enum Origin {
     /// Data that exists.
     Data(Box<Source>),
-    /// The finished run of a model, in the folder of the results.
-    Finished,
+    /// The finished run of a model, in the folder of the results; frames of it may have been lost or damaged since.
+    Finished(Box<RunReader>),
     /// A model to simulate into that folder.
     Model(Box<ModelRun>),
 }
@@ -111,13 +111,13 @@ impl Origin {
         guard::allow(folder);
         run_folder::spare_model(model, &file, folder)?;
         run_folder::spare_linked(folder, folder)?;
-        if !fresh && run::is_done(&file, folder) {
-            return Ok(Origin::Finished);
+        if !fresh && let Some(run) = run::finished(&file, folder) {
+            return Ok(Origin::Finished(Box::new(run)));
         }
         // An unfinished run of the same model continues from its last checkpoint.
         let resume = !fresh && RunReader::is_run(folder);
         if !fresh {
-            run_folder::check(&file, folder, None)?;
+            run_folder::check(&file, folder, None, "scree run")?;
         }
         let span = Span { until: None, resume };
         Ok(Origin::Model(Box::new(ModelRun {

@@ -45,14 +45,15 @@ pub fn spare_link(folder: &Path, home: &Path) -> Outcome {
 }
 
 /// Check that a simulation of a model into `folder` loses nothing: no run of another model, no longer run of the same model, and no
-/// files of somebody else. `until` is the time to simulate to, s, if it is not the model's duration.
-pub fn check(file: &ModelFile, folder: &Path, until: Option<f64>) -> Outcome {
+/// files of somebody else. `until` is the time to simulate to, s, if it is not the model's duration, and `by` the command that would replace
+/// what is there.
+pub fn check(file: &ModelFile, folder: &Path, until: Option<f64>, by: &str) -> Outcome {
     if folder.is_file() {
         return Err(Failure::new(Exit::Usage, format!("{}: is a file, and no folder", folder.display())));
     }
     let refuse = |why: String| {
         let message = format!(
-            "{} {why}\n  = `scree simulate --fresh` replaces it; -o DIR (--output) simulates elsewhere",
+            "{} {why}\n  = `{by} --fresh` replaces it; `{by} -o DIR` (--output) simulates elsewhere",
             folder.display()
         );
         Err(Failure::new(Exit::Usage, message))

@@ -73,7 +73,7 @@ impl SimulateJob {
         run_folder::spare_model(&args.model, &file, &folder)?;
         run_folder::spare_linked(&folder, &folder)?;
         if !args.fresh {
-            run_folder::check(&file, &folder, args.until)?;
+            run_folder::check(&file, &folder, args.until, "scree simulate")?;
         }
         let run = Box::new(ModelRun { file, resolved, folder, span, computer });
         Ok(SimulateJob::Run { run, preview: args.preview })

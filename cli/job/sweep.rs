@@ -95,7 +95,7 @@ impl SweepJob {
             let (home, folder) = (&folder, folder.join(&combination.name));
             run_folder::spare_linked(&folder, home)?;
             if !args.fresh && !args.plan {
-                run_folder::check(&file, &folder, args.until)?;
+                run_folder::check(&file, &folder, args.until, "scree simulate")?;
             }
             let run = SweepRun { index, name: combination.name.clone(), file, doc, folder };
             Ok((combination, run))

@@ -362,11 +362,18 @@ impl RunReader {
 
     /// Whether the files of all frames are what the run wrote; each is read.
     pub fn is_whole(&self) -> bool {
-        let is_own = |entry: &FrameEntry| {
-            let bytes = guard::read(&self.folder.join(&entry.file)).unwrap_or_default();
-            blake3::hash(&bytes).to_hex().as_str() == entry.hash
-        };
-        self.index.frames.iter().all(is_own)
+        self.index.frames.iter().all(|entry| self.is_own(entry))
+    }
+
+    /// Numbers of the frames whose files are lost, or are not what the run wrote; each is read.
+    pub fn damaged(&self) -> Vec<u64> {
+        self.index.frames.iter().filter(|entry| !self.is_own(entry)).map(|entry| entry.number).collect()
+    }
+
+    /// Whether the file of a frame is what the run wrote.
+    fn is_own(&self, entry: &FrameEntry) -> bool {
+        let bytes = guard::read(&self.folder.join(&entry.file)).unwrap_or_default();
+        blake3::hash(&bytes).to_hex().as_str() == entry.hash
     }
 
     /// Number of frames whose files are there.
@@ -393,7 +400,7 @@ impl RunReader {
                 &path,
                 "is not the file that the run wrote (its hash differs from run.json)",
             )
-            .hint("it is cut off or was replaced: simulate again"));
+            .hint("it is cut off or was replaced: simulate again with --fresh"));
         }
         let mut frame = match path.extension().and_then(|e| e.to_str()) {
             Some("csv") => csv::read(&path, number, &csv::Layout::default())?,

@@ -184,12 +184,16 @@ pub fn model_hash(file: &ModelFile) -> String {
 
 /// Whether a folder has a complete run of a model, of its whole duration, with all of its frames as they were written.
 pub fn is_done(file: &ModelFile, folder: &Path) -> bool {
-    RunReader::open(folder).is_ok_and(|run| {
+    finished(file, folder).is_some_and(|run| run.is_whole())
+}
+
+/// The complete run of a model, of its whole duration, that a folder has; files of its frames may have been lost or damaged since.
+pub fn finished(file: &ModelFile, folder: &Path) -> Option<RunReader> {
+    RunReader::open(folder).ok().filter(|run| {
         run.index.complete
             && run.index.model_hash == model_hash(file)
             && run.index.expected_frames == n_frames(file.whole_duration(), file.frame_rate)
             && run.index.frames.len() as u64 == run.index.expected_frames
-            && run.is_whole()
     })
 }
 

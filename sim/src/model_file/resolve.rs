@@ -459,21 +459,25 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Warn of motors whose motion does not begin where their joints are: the first step goes there, however far it is.
+/// Warn of motors and lengths that do not begin where their joints are: the first step goes there, however far it is.
 fn jumps(resolved: &mut Resolved) {
     /// Angle, rad, and way over the size of the joint's bodies, that are a jump.
     const JUMP: f64 = 1e-2;
     let Resolved { model, state, warnings, .. } = resolved;
     for (joint, now) in model.joints.iter().zip(&state.joints) {
-        let Some(Motor::Position(motion)) = joint.motor.as_ref().filter(|_| joint.acts(0.0)) else { continue };
-        let (goal, is) = (motion.at(0.0), now.coordinate);
-        let is_angle = joint.kind.coordinate() == Some(Coordinate::Angle);
+        let coordinate = joint.kind.coordinate().filter(|_| joint.acts(0.0));
+        let (what, goal) = match (&joint.motor, coordinate) {
+            (Some(Motor::Position(motion)), Some(_)) => ("motor", motion.at(0.0)),
+            (_, Some(Coordinate::Length)) => ("length", joint.length.at(0.0)),
+            _ => continue,
+        };
+        let (is, is_angle) = (now.coordinate, coordinate == Some(Coordinate::Angle));
         let of_joint = |s: &usize| joint.bodies.contains(&model.shape_body[*s]) && !model.shape_kind[*s].is_surface();
         let sizes = (0..model.n_shapes()).filter(of_joint).map(|s| model.shape_size[s].max_element());
         let (size, unit) = if is_angle { (1.0, "rad") } else { (sizes.fold(0.0, f64::max), "m") };
         if (goal - is).abs() > JUMP * size.max(1e-3) {
             warnings.push(format!(
-                "the motor of joint `{}` begins at {goal:.3} {unit}, where the joint is at {is:.3} {unit}: the first step jumps there",
+                "the {what} of joint `{}` begins at {goal:.3} {unit}, where the joint is at {is:.3} {unit}: the first step jumps there",
                 joint.name
             ));
         }

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// By what a joint may begin beyond its limits, degrees or m: the rounding of positions that are written by hand.
+/// By what a joint may begin beyond its limits, degrees or m, or off its plane: the rounding of positions that are written by hand.
 const ROUNDING: f64 = 1e-6;
 
 impl Builder<'_> {
@@ -115,15 +115,13 @@ impl Builder<'_> {
             };
             return Err(doc.fault(&at(part), says));
         }
-        if file.kind == JointKind::RevoluteSpherical && (pb - pa).normalize().dot(z).abs() > 1e-6 {
-            return Err(doc.fault(&at("axis"), "is not perpendicular to the line between the joint's two points"));
-        }
+        let [from, until] = self.interval(key, file.from, file.until, begins)?;
+        self.check_plane(key, file, (pb - pa, z), from <= 0.0)?;
         let motor = match &file.motor {
             Some(m) => Some(self.motor(&at("motor"), file.kind, m)?),
             None => None,
         };
         let orientation_b = self.shaft(key, file, orientation)?;
-        let [from, until] = self.interval(key, file.from, file.until, begins)?;
         let limits = file.limits.map(|limits| {
             let begins_at = if long { (pb - pa).length() } else { 0.0 };
             self.limits(&at("limits"), file.kind, limits, (from <= 0.0).then_some(begins_at))
@@ -145,6 +143,24 @@ impl Builder<'_> {
             self.exclusions.push([bodies[0].min(bodies[1]), bodies[0].max(bodies[1])]);
         }
         Ok(())
+    }
+
+    /// Check that the point on B, `way` from that on A, is in the plane through that on A across `z` of a joint that keeps it there; that of
+    /// `point_on_plane` may come to it later.
+    fn check_plane(&self, key: &str, file: &JointFile, (way, z): (DVec3, DVec3), at_start: bool) -> Result<(), Fault> {
+        let height = way.dot(z).abs();
+        match file.kind {
+            JointKind::RevoluteSpherical if way.normalize().dot(z).abs() > 1e-6 => {
+                let message = "is not perpendicular to the line between the joint's two points";
+                Err(self.doc.fault(&format!("{key}.axis"), message))
+            }
+            JointKind::PointOnPlane if at_start && height > ROUNDING * (1.0 + way.length()) => {
+                let message = format!("is {height:.6} m off the plane at the start");
+                let hint = "the plane goes through `position`, perpendicular to `axis`";
+                Err(self.doc.fault(&format!("{key}.position_b"), message).hint(hint))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Orientation of a joint's frame on B, world, where that on A is `on_a`: the same, but for the shaft of a universal joint, whose pin is
