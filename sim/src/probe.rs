@@ -20,12 +20,13 @@ pub fn probe_header(model: &Model, probes: &Probes) -> String {
             let _ = write!(h, ",{}", guard::text::cell(&format!("{name}.{part} [{unit}]")));
         }
     };
-    let name_of = |b: u32| {
-        model.body_names.iter().find(|(_, x)| **x == b).map_or_else(|| format!("body_{b}"), |(n, _)| n.clone())
-    };
+    let mut names = vec![None; model.n_bodies()];
+    for (name, b) in &model.body_names {
+        names[*b as usize].get_or_insert(name);
+    }
     for b in &probes.bodies {
         add(
-            &name_of(*b),
+            &names[*b as usize].map_or_else(|| format!("body_{b}"), String::clone),
             &[
                 ("x", "m"),
                 ("y", "m"),
@@ -86,7 +87,8 @@ pub fn probe_line(model: &Model, state: &State, probes: &Probes) -> String {
     let mut line = format!("{:.9}", state.time);
     let mut add = |values: &[f64]| {
         for x in values {
-            let _ = write!(line, ",{x:.9e}");
+            // Of nothing there is no negative.
+            let _ = write!(line, ",{:.9e}", x + 0.0);
         }
     };
     for b in &probes.bodies {

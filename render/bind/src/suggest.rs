@@ -17,6 +17,7 @@ use frame::{Column, Frame};
 use framing::{Classes, MANY, Subject, rounded};
 use lengths::Length;
 use names::Names;
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use survey::{Kind, Survey};
 
@@ -192,13 +193,41 @@ fn object(name: &str, select: Option<String>, geometry: Geometry, surface: &str)
     }
 }
 
-/// The classes and shapes of all frames.
+/// The classes and shapes of all frames; the shapes alone, with no name of a class, where there are very many classes, as of bodies that
+/// have names each.
 fn kinds<'a>(surveys: &[Survey<'a>]) -> Vec<Kind<'a>> {
-    let mut all: Vec<Kind<'_>> = Vec::new();
-    for kind in surveys.iter().flat_map(|survey| &survey.kinds) {
-        match all.iter_mut().find(|k| (k.class, k.shape) == (kind.class, kind.shape)) {
-            Some(before) => before.merge(kind),
-            None => all.push(kind.clone()),
+    /// Classes and shapes that are objects of their own at most.
+    const MOST: usize = 500;
+    let by_class = merged(surveys.iter().flat_map(|survey| &survey.kinds).cloned());
+    if by_class.len() <= MOST { by_class } else { merged(surveys.iter().flat_map(shapes_of)) }
+}
+
+/// The shapes of a frame, of all classes together.
+fn shapes_of<'a>(survey: &Survey<'a>) -> impl Iterator<Item = Kind<'a>> {
+    let mut all: BTreeMap<&str, Kind<'_>> = BTreeMap::new();
+    for kind in &survey.kinds {
+        let kind = Kind { class: "", ..kind.clone() };
+        all.entry(kind.shape)
+            .and_modify(|before| {
+                let count = before.count + kind.count;
+                before.merge(&kind);
+                before.count = count;
+            })
+            .or_insert(kind);
+    }
+    all.into_values()
+}
+
+/// Kinds without doubles, in the order of the first of each.
+fn merged<'a>(kinds: impl Iterator<Item = Kind<'a>>) -> Vec<Kind<'a>> {
+    let (mut all, mut place): (Vec<Kind<'_>>, BTreeMap<(&str, &str), usize>) = Default::default();
+    for kind in kinds {
+        match place.entry((kind.class, kind.shape)) {
+            Entry::Occupied(before) => all[*before.get()].merge(&kind),
+            Entry::Vacant(new) => {
+                new.insert(all.len());
+                all.push(kind);
+            }
         }
     }
     all
@@ -278,23 +307,24 @@ fn kinds_as_objects(
         matches!(class, "ground" | "floor" | "wall" | "left" | "right" | "front" | "back" | "beam" | "table")
             || !moving.is_empty() && !moving.contains(class)
     };
-    let mut names: Vec<&str> = vec![];
+    let mut paints: BTreeMap<&str, usize> = BTreeMap::new();
     for kind in drawn().filter(|k| !matches!(k.shape, "sphere" | "plane" | "spring") && !static_of(k.class)) {
-        if !names.contains(&kind.class) {
-            names.push(kind.class);
-        }
+        let next = paints.len();
+        paints.entry(kind.class).or_insert(next);
     }
-    let paint = |class: &str| names.iter().position(|n| *n == class).map(|k| PAINTS[k % PAINTS.len()]);
+    let paint = |class: &str| paints.get(class).map(|k| PAINTS[k % PAINTS.len()]);
+    let mut shapes: BTreeMap<&str, usize> = BTreeMap::new();
+    kinds.iter().for_each(|kind| *shapes.entry(kind.class).or_default() += 1);
     drawn()
         .map(|kind| {
             let Kind { class, shape, .. } = *kind;
             let (geometry, surface, color) = look(shape, extent);
-            let alone = kinds.iter().filter(|k| k.class == class).count() == 1;
-            let name = if alone { class.to_string() } else { format!("{class}_{shape}") };
-            let mut select = format!("class == '{class}'");
-            if !alone {
-                select += &format!(" and shape == '{shape}'");
-            }
+            let alone = shapes[class] == 1;
+            let (name, mut select) = match (class, alone) {
+                ("", _) => (shape.to_string(), format!("shape == '{shape}'")),
+                (_, true) => (class.to_string(), format!("class == '{class}'")),
+                (_, false) => (format!("{class}_{shape}"), format!("class == '{class}' and shape == '{shape}'")),
+            };
             if kind.has_walls {
                 select += &format!(" and {}", up.is_upright());
             }
@@ -442,6 +472,21 @@ mod tests {
             _ => panic!("{name} has one colour"),
         };
         assert!(rgb("cart") == PAINTS[0] && !PAINTS.contains(&rgb("block")));
+    }
+
+    /// Bodies that have names each are classes of their own: where there are very many of these, shapes are objects.
+    #[test]
+    fn very_many_classes_are_drawn_by_their_shapes() {
+        let names: Vec<String> = (0..600).map(|k| format!("b{k}")).collect();
+        let bodies = |n: usize| {
+            let body = |(k, name)| (name, if k % 2 == 0 { "sphere" } else { "box" }, [0.2 * k as f32, 0.0, 1.0], 0.05);
+            names.iter().map(String::as_str).take(n).enumerate().map(body).collect::<Vec<_>>()
+        };
+        let suggested = |n: usize| metadata(Data::default(), &[run(0, &bodies(n))], Up::Z).unwrap().yaml;
+        let yaml = suggested(600);
+        assert!(yaml.contains("select: shape == 'sphere'") && yaml.contains("select: shape == 'box'"), "{yaml}");
+        assert!(yaml.matches("- name: ").count() == 2 && yaml.contains("name: stone"), "{yaml}");
+        assert_eq!(suggested(500).matches("- name: ").count(), 500);
     }
 
     #[test]
