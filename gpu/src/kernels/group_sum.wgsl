@@ -3,7 +3,7 @@
 
 var<workgroup> group_sums: array<u32, 256>;
 
-// The sum of the threads before, and of all. All threads call it; once in a kernel.
+// The sum of the threads before, and of all. All threads call it; once in a kernel, or with a barrier before the next time.
 fn group_sum(lane: Lane, value: u32) -> vec2<u32> {
     let thread = thread_of(lane);
     group_sums[thread] = value;
