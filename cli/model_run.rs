@@ -101,8 +101,6 @@ fn chosen(file: &ModelFile) -> String {
 /// Note this command in a folder, behind those that it goes on from.
 fn note_command(folder: &Path, resume: bool) -> Outcome {
     let path = folder.join(COMMANDS);
-    std::fs::create_dir_all(folder)
-        .map_err(|error| Failure::new(Exit::Fault, format!("{}: cannot be made: {error}", folder.display())))?;
     let before = if resume { std::fs::read_to_string(&path).unwrap_or_default() } else { String::new() };
     let word = |word: std::ffi::OsString| guard::text::shell_word(&guard::text::line(&word.to_string_lossy()));
     let words = std::env::args_os().skip(1).map(word);

@@ -42,34 +42,37 @@ pub fn encode(images: &[PathBuf], output: &MovieFile, frame_rate: f64) -> Outcom
 
 /// The file of a movie that would be replaced.
 pub fn there(output: &MovieFile) -> Option<PathBuf> {
-    let path = match output {
-        MovieFile::OfKind(_, path) => path.clone(),
-        MovieFile::Stem(stem) => with_ending(stem, if ffmpeg_version().is_some() { "mp4" } else { "apng" }),
-    };
+    let (_, path) = named(output, ffmpeg_version().is_some());
     Some(path).filter(|path| path.is_file())
 }
 
-/// The kind of movie and its path, as far as this machine can encode it.
+/// The kind of movie and its path: of a stem what this machine can encode.
+fn named(output: &MovieFile, has_ffmpeg: bool) -> (MovieKind, PathBuf) {
+    match output {
+        MovieFile::OfKind(kind, path) => (*kind, path.clone()),
+        MovieFile::Stem(stem) if has_ffmpeg => (MovieKind::Mp4, with_ending(stem, "mp4")),
+        MovieFile::Stem(stem) => (MovieKind::Apng, with_ending(stem, "apng")),
+    }
+}
+
+/// The same, as far as this machine can encode it.
 fn choose(output: &MovieFile) -> Outcome<(MovieKind, PathBuf)> {
     let has_ffmpeg = ffmpeg_version().is_some();
-    match output {
-        MovieFile::OfKind(kind, path) if has_ffmpeg || *kind == MovieKind::Apng => Ok((*kind, path.clone())),
-        MovieFile::OfKind(_, path) => {
-            let message = format!(
-                "{}: ffmpeg is not on PATH; {INSTALL}, or write an animated PNG: `-o {}`",
-                path.display(),
-                path.with_extension("apng").display()
-            );
-            Err(Failure::new(Exit::Fault, message))
-        }
-        MovieFile::Stem(stem) if has_ffmpeg => Ok((MovieKind::Mp4, with_ending(stem, "mp4"))),
-        MovieFile::Stem(stem) => {
-            eprintln!(
-                "ffmpeg is not on PATH: an animated PNG is written instead; for an MP4 {INSTALL} and run `scree movie`"
-            );
-            Ok((MovieKind::Apng, with_ending(stem, "apng")))
-        }
+    let (kind, path) = named(output, has_ffmpeg);
+    if !has_ffmpeg && kind != MovieKind::Apng {
+        let message = format!(
+            "{}: ffmpeg is not on PATH; {INSTALL}, or write an animated PNG: `-o {}`",
+            path.display(),
+            path.with_extension("apng").display()
+        );
+        return Err(Failure::new(Exit::Fault, message));
     }
+    if !has_ffmpeg && matches!(output, MovieFile::Stem(_)) {
+        eprintln!(
+            "ffmpeg is not on PATH: an animated PNG is written instead; for an MP4 {INSTALL} and run `scree movie`"
+        );
+    }
+    Ok((kind, path))
 }
 
 fn with_ending(stem: &Path, ending: &str) -> PathBuf {

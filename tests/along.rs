@@ -165,7 +165,7 @@ fn a_simulation_that_cannot_begin_says_nothing_of_images() {
     let taken = work.at("taken");
     std::fs::write(&taken, "a file").unwrap();
     let said = work.run("taken/run", &[]).fails(1);
-    assert!(said.contains("taken/run: cannot be made") && !said.contains("image"), "{said}");
+    assert!(said.contains("taken/run: cannot be written") && !said.contains("image"), "{said}");
     // One that diverges as soon as its first frame is there: the image of that is drawn, or none, and it is said which.
     let pull = "springs:\n  - {name: s, a: world, b: bob, position: [-1, 0, 3], position_b: [0, 0, 0], stiffness: 1e+18, rest: 0.9}\n";
     let bob = "  - {name: bob, material: stone, sphere: {radius: 0.1}, position: [0, 0, 3]}\nfills:";

@@ -179,5 +179,5 @@ fn an_unwritable_folder_is_a_clear_message() {
     let said =
         scree(&["simulate", "sim/models/pour.yaml", "--until", "0.01", "-o", file.join("run").to_str().unwrap()])
             .fails(1);
-    assert!(said.contains("run: cannot be made"), "{said}");
+    assert!(said.contains("run: cannot be written"), "{said}");
 }

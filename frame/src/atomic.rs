@@ -7,7 +7,9 @@ use std::path::Path;
 
 /// Write `bytes` to the file `path`, creating its folder if it is missing. On an error the file is unchanged.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
-    write_io(path, bytes).map_err(|e| Fault::unwritable(path, &e))
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder).map_err(|e| Fault::unwritable(folder, &e))?;
+    write_in(folder, path, bytes).map_err(|e| Fault::unwritable(path, &e))
 }
 
 /// What the names of temporary files begin with.
@@ -32,9 +34,7 @@ fn host() -> String {
     name.trim().chars().filter(|c| c.is_ascii_alphanumeric() || *c == '.').collect()
 }
 
-fn write_io(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder)?;
+fn write_in(folder: &Path, path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let mut part =
         tempfile::Builder::new().prefix(&format!("{PREFIX}{}-{}-", host(), std::process::id())).tempfile_in(folder)?;
     part.write_all(bytes)?;

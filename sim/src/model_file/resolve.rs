@@ -464,6 +464,12 @@ fn jumps(resolved: &mut Resolved) {
     /// Angle, rad, and way over the size of the joint's bodies, that are a jump.
     const JUMP: f64 = 1e-2;
     let Resolved { model, state, warnings, .. } = resolved;
+    // Largest half length of each body, m.
+    let mut half = vec![0.0f64; model.n_bodies()];
+    for s in (0..model.n_shapes()).filter(|s| !model.shape_kind[*s].is_surface()) {
+        let own = &mut half[model.shape_body[s] as usize];
+        *own = own.max(model.shape_size[s].max_element());
+    }
     for (joint, now) in model.joints.iter().zip(&state.joints) {
         let coordinate = joint.kind.coordinate().filter(|_| joint.acts(0.0));
         let (what, goal) = match (&joint.motor, coordinate) {
@@ -472,9 +478,8 @@ fn jumps(resolved: &mut Resolved) {
             _ => continue,
         };
         let (is, is_angle) = (now.coordinate, coordinate == Some(Coordinate::Angle));
-        let of_joint = |s: &usize| joint.bodies.contains(&model.shape_body[*s]) && !model.shape_kind[*s].is_surface();
-        let sizes = (0..model.n_shapes()).filter(of_joint).map(|s| model.shape_size[s].max_element());
-        let (size, unit) = if is_angle { (1.0, "rad") } else { (sizes.fold(0.0, f64::max), "m") };
+        let [a, b] = joint.bodies.map(|b| half[b as usize]);
+        let (size, unit) = if is_angle { (1.0, "rad") } else { (a.max(b), "m") };
         if (goal - is).abs() > JUMP * size.max(1e-3) {
             warnings.push(format!(
                 "the {what} of joint `{}` begins at {goal:.3} {unit}, where the joint is at {is:.3} {unit}: the first step jumps there",

@@ -90,45 +90,47 @@ fn sl_determinant(a: f32, b: f32, c: f32, d: f32) -> f32 {
     return sl_rounded(a * d) - sl_rounded(b * c);
 }
 
-// The derivative along u of a value that changes by `x`, by u and v, which change by those of `of_uv`.
-fn sl_along_u(x: vec2<f32>, of_uv: Differences) -> f32 {
+// The derivatives along u and v of a value that changes by `x` to the next point of the row and of the column, where u and v change by those
+// of `of_uv`.
+fn sl_along(x: vec2<f32>, of_uv: Differences) -> vec2<f32> {
+    let u = vec2<f32>(of_uv.row.x, of_uv.column.x);
     let v = vec2<f32>(of_uv.row.y, of_uv.column.y);
-    return sl_divide(sl_determinant(x.x, x.y, v.x, v.y), sl_determinant(of_uv.row.x, of_uv.column.x, v.x, v.y));
+    let whole = sl_determinant(u.x, u.y, v.x, v.y);
+    return vec2<f32>(
+        sl_divide(sl_determinant(x.x, x.y, v.x, v.y), whole),
+        sl_divide(sl_determinant(u.x, u.y, x.x, x.y), whole),
+    );
 }
 
-fn sl_along_v(x: vec2<f32>, of_uv: Differences) -> f32 {
-    let u = vec2<f32>(of_uv.row.x, of_uv.column.x);
-    return sl_divide(sl_determinant(u.x, u.y, x.x, x.y), sl_determinant(u.x, u.y, of_uv.row.y, of_uv.column.y));
+fn sl_slopes(x: f32, u: f32, v: f32) -> vec2<f32> {
+    let d = sl_differences(vec4<f32>(u, v, x, 0.0));
+    return sl_along(vec2<f32>(d.row.z, d.column.z), d);
 }
 
 fn sl_du(x: f32, u: f32, v: f32) -> f32 {
-    let d = sl_differences(vec4<f32>(u, v, x, 0.0));
-    return sl_along_u(vec2<f32>(d.row.z, d.column.z), d);
+    return sl_slopes(x, u, v).x;
 }
 
 fn sl_dv(x: f32, u: f32, v: f32) -> f32 {
-    let d = sl_differences(vec4<f32>(u, v, x, 0.0));
-    return sl_along_v(vec2<f32>(d.row.z, d.column.z), d);
+    return sl_slopes(x, u, v).y;
+}
+
+// The same of a triple: those along u, and those along v.
+fn sl_slopes3(x: vec3<f32>, u: f32, v: f32) -> array<vec3<f32>, 2> {
+    let d = sl_differences(vec4<f32>(x, 0.0));
+    let of_uv = sl_differences(vec4<f32>(u, v, 0.0, 0.0));
+    let of_x = sl_along(vec2<f32>(d.row.x, d.column.x), of_uv);
+    let of_y = sl_along(vec2<f32>(d.row.y, d.column.y), of_uv);
+    let of_z = sl_along(vec2<f32>(d.row.z, d.column.z), of_uv);
+    return array(vec3<f32>(of_x.x, of_y.x, of_z.x), vec3<f32>(of_x.y, of_y.y, of_z.y));
 }
 
 fn sl_du3(x: vec3<f32>, u: f32, v: f32) -> vec3<f32> {
-    let d = sl_differences(vec4<f32>(x, 0.0));
-    let of_uv = sl_differences(vec4<f32>(u, v, 0.0, 0.0));
-    return vec3<f32>(
-        sl_along_u(vec2<f32>(d.row.x, d.column.x), of_uv),
-        sl_along_u(vec2<f32>(d.row.y, d.column.y), of_uv),
-        sl_along_u(vec2<f32>(d.row.z, d.column.z), of_uv),
-    );
+    return sl_slopes3(x, u, v)[0];
 }
 
 fn sl_dv3(x: vec3<f32>, u: f32, v: f32) -> vec3<f32> {
-    let d = sl_differences(vec4<f32>(x, 0.0));
-    let of_uv = sl_differences(vec4<f32>(u, v, 0.0, 0.0));
-    return vec3<f32>(
-        sl_along_v(vec2<f32>(d.row.x, d.column.x), of_uv),
-        sl_along_v(vec2<f32>(d.row.y, d.column.y), of_uv),
-        sl_along_v(vec2<f32>(d.row.z, d.column.z), of_uv),
-    );
+    return sl_slopes3(x, u, v)[1];
 }
 
 // The cross product of the ways to the next point of the row and of the column.
