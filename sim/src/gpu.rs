@@ -38,6 +38,8 @@ mod mechanism;
 mod overlaps;
 mod pair_write;
 mod parts;
+mod plan;
+mod probing;
 mod problem;
 mod read_back;
 mod record;
@@ -62,7 +64,7 @@ pub use usage::Usage;
 
 use crate::model::Model;
 use crate::outcome::{Outcome, StepOutcome};
-use crate::plan::{ContactMethod, Narrow, StepPlan, has_joints};
+use crate::plan::{ContactMethod, StepPlan, has_joints};
 use crate::settings::{Method, SolverSettings};
 use crate::stages::Stage;
 use crate::state::State;
@@ -78,6 +80,8 @@ use impacts::Impacts;
 use joints::Joints;
 use mechanism::Mechanism;
 use overlaps::Overlaps;
+use plan::{method_of, needs_tiles, takeover};
+use probing::Probing;
 use recorded::{Recorded, Solving};
 use rest::Rest;
 use rows::Summary;
@@ -105,8 +109,15 @@ pub struct Gpu {
     mass: f64,
     /// Number of contacts of the last step.
     n_contacts: usize,
-    /// Whether the state differs from that on the device.
+    /// Whether the state differs from that on the device, and whether that of its bodies does.
     is_stale: bool,
+    has_old_bodies: bool,
+    /// Kinetic and potential energy, J, and maximum penetration, m, of the last step.
+    measured: [f64; 3],
+    /// Sweeps over contacts so far, by the number of these.
+    contact_sweeps: u64,
+    /// What the probes ask of the device, if they have asked.
+    probing: Option<Probing>,
     /// Whether the contacts of the step are found, with their starting point.
     has_found: bool,
     /// Whether Gauss–Seidel has taken over the last step from the method, so that this one is begun for it.
@@ -190,6 +201,10 @@ impl Gpu {
             mass,
             n_contacts,
             is_stale,
+            has_old_bodies: false,
+            measured: [0.0; 3],
+            contact_sweeps: 0,
+            probing: None,
             has_found: false,
             is_landing: false,
             before: Before::new(from),
@@ -212,7 +227,7 @@ impl Gpu {
             most_bytes: self.device.most_memory(),
             largest_buffer: self.device.largest_buffer(),
             bytes_per_contact_sweep: self.solve.bytes,
-            sweeps: self.solve.sweeps,
+            contact_sweeps: self.contact_sweeps,
             begun_again: self.holding.n_failed,
             traffic: self.device.traffic(),
             dispatches: self.device.dispatches(),
@@ -329,14 +344,16 @@ impl Gpu {
             self.make_room(model, plan, [summary.pairs, summary.needed].map(|n| n as usize))?;
         };
         let mut stage_ms = [0.0; Stage::ALL.len()];
-        self.take_times(times, &mut stage_ms, rounds.map_or(summary.iterations, |rounds| rounds.iterations))?;
+        let repetitions = rounds.map_or(summary.iterations, |rounds| rounds.iterations);
+        self.take_times(times, &mut stage_ms, repetitions)?;
         self.n_contacts = summary.contacts as usize;
         self.holding.pass(summary.lasts as f64, self.knows_next().then_some(summary.next as f64), summary.rounds);
         self.solve.n_last = Some(summary.iterations);
         let (n, room) = (self.solve.problem.n_bodies, self.collision.columns().0.capacity());
         self.device.expect_growth((n + room) as f64 / (n + self.n_contacts).max(1) as f64);
-        self.is_stale = true;
+        (self.is_stale, self.has_old_bodies) = (true, true);
         let survey = self.survey.of_watch(&summary, self.mass);
+        self.measured = [survey.kinetic, survey.potential, summary.worst as f64];
         let mut outcome = outcome(&summary);
         if let Some(mechanism) = &mut self.mechanism {
             let started = Instant::now();
@@ -345,7 +362,9 @@ impl Gpu {
         }
         state.steps += 1;
         state.time = state.steps as f64 * model.step;
-        outcome.solver.iterations = rounds.map_or(summary.iterations, |rounds| rounds.iterations);
+        let (iterations, sweeps) = self.solve.made(repetitions, self.is_landing);
+        outcome.solver.iterations = iterations;
+        self.contact_sweeps += self.n_contacts as u64 * u64::from(sweeps);
         Ok(Some(Stepped { outcome, survey, stage_ms }))
     }
 
@@ -555,29 +574,6 @@ fn outcome(summary: &Summary) -> StepOutcome {
         worst_penetration: summary.worst as f64,
         ..StepOutcome::default()
     }
-}
-
-/// The method of a plan.
-fn method_of(plan: &StepPlan) -> Method {
-    match plan.method {
-        ContactMethod::Sweeps => Method::GaussSeidel,
-        ContactMethod::Blocks(method) => method,
-    }
-}
-
-/// [`StepPlan::takeover`] on a device: of contacts with friction alone.
-fn takeover(plan: &StepPlan) -> Option<f64> {
-    plan.takeover.filter(|_| !plan.resists())
-}
-
-/// Whether the pairs of a plan have to be in tiles.
-fn needs_tiles(plan: &StepPlan) -> bool {
-    method_of(plan) == Method::GaussSeidel || takeover(plan).is_some()
-}
-
-/// In one of how many steps overlaps are recovered, as on the CPU.
-fn recovery_period(plan: &StepPlan) -> u64 {
-    if plan.method == ContactMethod::Sweeps && plan.narrow == Narrow::Spheres { 4 } else { 1 }
 }
 
 /// Mass of the moving bodies, kg.

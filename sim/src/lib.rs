@@ -70,7 +70,7 @@ pub use model::{ContactLaw, Model, Scheduled};
 pub use outcome::{JointErrors, Outcome, StepOutcome};
 pub use plan::{ContactMethod, Narrow, StepPlan};
 pub use pose::{Pose, PoseColumn};
-pub use probe::{probe_header, probe_line};
+pub use probe::probe_header;
 pub use settings::{FrictionLaw, Impacts, Method, Quality, SolverSettings};
 pub use shape::ShapeKind;
 pub use simulation::{Simulation, StepFault, StepReport};

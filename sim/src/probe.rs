@@ -82,8 +82,32 @@ pub fn probe_header(model: &Model, probes: &Probes) -> String {
     h
 }
 
-/// Line of `probes.csv` at the state's time, with its line break; the values are in the order of [`probe_header`].
-pub fn probe_line(model: &Model, state: &State, probes: &Probes) -> String {
+/// What a line of the probes has of all bodies and contacts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sums {
+    /// Kinetic and potential energy, J, maximum penetration, m, and mean slip speed of the contacts with an impulse, m/s.
+    pub whole: [f64; 4],
+    /// Of each pair of classes, the number of contacts with an impulse and their total force on the second class, N.
+    pub between: Vec<(usize, DVec3)>,
+}
+
+impl Sums {
+    /// The sums of a state whose columns are up to date; those of all bodies are zeros where no energies are asked for.
+    pub fn of(model: &Model, state: &State, probes: &Probes) -> Sums {
+        let whole = match probes.energies {
+            true => {
+                let energies = [state.kinetic_energy(model), state.potential_energy(model)];
+                [energies[0], energies[1], state.worst_penetration(), mean_slip(state)]
+            }
+            false => [0.0; 4],
+        };
+        Sums { whole, between: probes.contacts.iter().map(|(_, pair)| between(model, state, *pair)).collect() }
+    }
+}
+
+/// Line of `probes.csv` at the state's time, with its line break, from a state that has the probed bodies, joints and springs as they are then; the
+/// values are in the order of [`probe_header`].
+pub fn probe_line(model: &Model, state: &State, probes: &Probes, sums: &Sums) -> String {
     let mut line = format!("{:.9}", state.time);
     let mut add = |values: &[f64]| {
         for x in values {
@@ -114,14 +138,12 @@ pub fn probe_line(model: &Model, state: &State, probes: &Probes) -> String {
         let s = &state.springs[*s as usize];
         add(&[s.force, s.coordinate]);
     }
-    for (_, pair) in &probes.contacts {
-        let (n, force) = between(model, state, *pair);
-        add(&[n as f64]);
+    for (n, force) in &sums.between {
+        add(&[*n as f64]);
         add(&force.to_array());
     }
     if probes.energies {
-        add(&[state.kinetic_energy(model), state.potential_energy(model)]);
-        add(&[state.worst_penetration(), mean_slip(state)]);
+        add(&sums.whole);
     }
     line.push('\n');
     line

@@ -8,8 +8,7 @@ use crate::model_file::{ModelFile, OnDivergence, Resolved};
 use crate::stages::Stage;
 use crate::watch::{Broken, Warning, WarningCount};
 use crate::{
-    Model, Simulation, State, StepFault, checkpoint, contacts_of, frame_of, probe_header, probe_line, report_header,
-    report_line,
+    Model, Simulation, State, StepFault, checkpoint, contacts_of, frame_of, probe_header, report_header, report_line,
 };
 use ::gpu::{Choice, Device, GpuError};
 use frame::run::{EndKind, Ended, FORMAT_VERSION, Index, RunReader, RunWriter, WarningEntry};
@@ -443,15 +442,17 @@ impl<'a> Run<'a> {
 
     fn probe(&mut self) -> Result<(), RunError> {
         if self.is_probe_due() {
-            self.sim.fetch()?;
             self.next_probe += 1;
-            self.probes.push(&probe_line(&self.sim.model, &self.sim.state, &self.resolved.probes))?;
+            self.probes.push(&self.sim.probe_line(&self.resolved.probes)?)?;
         }
         Ok(())
     }
 
     fn write_frame(&mut self, frame: u64) -> Result<(), RunError> {
-        self.sim.fetch()?;
+        match self.resolved.probes.contact_tables {
+            true => self.sim.fetch()?,
+            false => self.sim.fetch_bodies()?,
+        }
         self.list_warnings();
         // Whoever sees the frame in the index finds its contacts.
         if self.resolved.probes.contact_tables {

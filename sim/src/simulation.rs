@@ -7,8 +7,10 @@ use crate::gpu::{Fault, Gpu, Usage};
 use crate::joint::{JointState, SpringState};
 use crate::manifolds::Manifolds;
 use crate::model::Model;
+use crate::model_file::Probes;
 use crate::outcome::{Deepest, StepOutcome};
 use crate::plan::StepPlan;
+use crate::probe::{self, Sums};
 use crate::stages::{Stage, check};
 use crate::state::State;
 use crate::warning::{Broken, Warning};
@@ -161,6 +163,36 @@ impl Simulation {
             Engine::Cpu(_) => Ok(()),
             Engine::Gpu(gpu) | Engine::Split(_, gpu) => gpu.fetch(&self.model, &mut self.state),
         }
+    }
+
+    /// Bring the poses and velocities of the state up to date, as a table of the bodies needs them.
+    ///
+    /// # Errors
+    /// [`Fault::Gpu`].
+    pub fn fetch_bodies(&mut self) -> Result<(), Fault> {
+        match &mut self.engine {
+            Engine::Cpu(_) => Ok(()),
+            Engine::Gpu(gpu) | Engine::Split(_, gpu) => gpu.fetch_bodies(&mut self.state),
+        }
+    }
+
+    /// Line of `probes.csv` at the state's time, with its line break. A graphics device sums where the columns are: they stay there.
+    ///
+    /// # Errors
+    /// [`Fault::Gpu`].
+    pub fn probe_line(&mut self, probes: &Probes) -> Result<String, Fault> {
+        let sums = match &mut self.engine {
+            Engine::Gpu(gpu) => gpu.probe(&self.model, &mut self.state, probes)?,
+            Engine::Cpu(_) | Engine::Split(..) => None,
+        };
+        let sums = match sums {
+            Some(sums) => sums,
+            None => {
+                self.fetch()?;
+                Sums::of(&self.model, &self.state, probes)
+            }
+        };
+        Ok(probe::probe_line(&self.model, &self.state, probes, &sums))
     }
 
     /// Take one step of length `model.step`.

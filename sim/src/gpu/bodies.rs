@@ -3,7 +3,7 @@
 use super::fault::Fault;
 use super::fixed::Scale;
 use super::parts::Layout;
-use super::rows::Fixed;
+use super::rows::{BodyState, Fixed};
 use crate::model::Model;
 use crate::state::State;
 use glam::{DQuat, DVec3, DVec4};
@@ -105,16 +105,23 @@ impl Bodies {
         );
         let position = begun.0.wait(device)?;
         let [orientation, velocity, spin] = [begun.1.wait(device)?, begun.2.wait(device)?, begun.3.wait(device)?];
-        let wide = |v: [f32; 4]| DVec4::from_array(v.map(f64::from));
         for b in 0..self.n {
-            let velocities = (wide(velocity[b]).truncate(), wide(spin[b]).truncate());
-            (state.velocity[b], state.angular_velocity[b]) = velocities;
-            if self.known[b] != 0 {
-                continue;
-            }
-            state.position[b] = self.scale.unfix(position[b]);
-            state.orientation[b] = DQuat::from_vec4(wide(orientation[b]));
+            self.put_row(state, b, (position[b], [orientation[b], velocity[b], spin[b]]));
         }
         Ok(())
+    }
+
+    /// Put the state of one body into its row, as [`Bodies::fetch`].
+    pub fn put(&self, state: &mut State, row: &BodyState) {
+        self.put_row(state, row.body as usize, (row.position, [row.orientation, row.velocity, row.spin]));
+    }
+
+    fn put_row(&self, state: &mut State, b: usize, (position, [orientation, velocity, spin]): (Fixed, [[f32; 4]; 3])) {
+        let wide = |v: [f32; 4]| DVec4::from_array(v.map(f64::from));
+        (state.velocity[b], state.angular_velocity[b]) = (wide(velocity).truncate(), wide(spin).truncate());
+        if self.known[b] == 0 {
+            state.position[b] = self.scale.unfix(position);
+            state.orientation[b] = DQuat::from_vec4(wide(orientation));
+        }
     }
 }

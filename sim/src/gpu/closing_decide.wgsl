@@ -2,7 +2,7 @@
 // inout fastest  [1]   as bits, m/s
 // inout scalars  [1]
 // inout work     [2]   workgroups of the joints and of `closing`
-// in    params   [3]   as bits: the speed, m/s, and the residual, m/s; the most iterations, over those of the settings
+// in    params   [4]   as bits: the speed, m/s, and the residual, m/s; the most iterations, over those of the settings; whether a pass stands for two
 // Twin: cpu/solve/sweeps.rs
 #import scalars
 
@@ -20,7 +20,8 @@ fn main() {
     let is_enough = bitcast<f32>(fastest[0]) <= bitcast<f32>(params[0]) && s.residual <= bitcast<f32>(params[1]);
     fastest[0] = 0u;
     work[1] = vec4(0u, 0u, 1u, 0u);
-    if is_enough || s.trials >= params[2] * s.limit {
+    // The passes of an odd number of iterations; the host makes no more than those of an even one.
+    if is_enough || s.trials >= params[2] * s.limit - params[3] {
         scalars[0].goes_on = 0u;
         work[0] = vec4(0u, 0u, 1u, 0u);
     }

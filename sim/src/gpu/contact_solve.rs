@@ -57,9 +57,9 @@ pub struct ContactSolve {
     fall: f64,
     /// Bytes of a contact and sweep from memory.
     pub bytes: f64,
-    /// Sweeps of an iteration.
-    pub sweeps: u32,
-    /// Iterations of the last step, if there has been one.
+    /// Sweeps of what is repeated.
+    sweeps: u32,
+    /// Iterations of the last step, or passes, if there has been one.
     pub n_last: Option<u32>,
 }
 
@@ -228,6 +228,25 @@ impl ContactSolve {
         self.exact.as_ref().filter(|_| !is_landing)
     }
 
+    /// Repetitions of what is recorded for so many iterations: passes of Gauss–Seidel, else the iterations.
+    fn passes(&self, iterations: u32, is_landing: bool) -> u32 {
+        match self.columns(is_landing) {
+            Columns::GaussSeidel(_) => gauss_seidel::passes(self.problem.layout.narrow, iterations),
+            _ => iterations,
+        }
+    }
+
+    /// The iterations that so many repetitions stand for, and the sweeps over a contact that they make.
+    pub fn made(&self, repetitions: u32, is_landing: bool) -> (u32, u32) {
+        let narrow = self.problem.layout.narrow;
+        match self.columns(is_landing) {
+            Columns::GaussSeidel(_) => {
+                (gauss_seidel::iterations_of(narrow, repetitions), repetitions * gauss_seidel::SWEEPS[narrow as usize])
+            }
+            _ => (repetitions, repetitions),
+        }
+    }
+
     /// Whether Gauss–Seidel may take over a step.
     pub fn may_land(&self) -> bool {
         self.landing.is_some()
@@ -259,10 +278,11 @@ impl ContactSolve {
     ) -> Result<Option<Rounds>, GpuError> {
         let n = if self.asks(is_landing) { self.problem.n_contacts.read(device)? } else { 1 };
         let blocks = if self.problem.layout.rolls { 2 * n } else { n };
-        let most = if n == 0 { 0 } else { self.settings.max_iterations(blocks) };
+        let iterations = if n == 0 { 0 } else { self.settings.max_iterations(blocks) };
+        let most = self.passes(iterations, is_landing);
         let Some(exact) = self.rounds(is_landing) else {
             let goes_beyond = matches!(self.columns(is_landing), Columns::GaussSeidel(own) if own.goes_beyond());
-            let all = if goes_beyond { SolverSettings::BEYOND * most } else { most };
+            let all = if goes_beyond { self.passes(SolverSettings::BEYOND * iterations, is_landing) } else { most };
             self.submit_iterations(device, (solve, mask), (all, most), times)?;
             return Ok(None);
         };
@@ -497,7 +517,7 @@ impl ContactSolve {
     }
 
     /// Solve the problem of the collision's last run, for the velocities of a state, from impulses of zero. Returns the time of the
-    /// iterations, s, and the number of their dispatches.
+    /// iterations, s, the number of their dispatches, and that of sweeps over a contact.
     ///
     /// # Errors
     /// [`Fault::Gpu`].
@@ -506,7 +526,7 @@ impl ContactSolve {
         device: &Device,
         kernels: &Kernels,
         (model, collision): (&Model, &Collision),
-    ) -> Result<(f64, usize), Fault> {
+    ) -> Result<(f64, usize, u32), Fault> {
         let mut commands = Commands::new();
         self.problem.record_inertia(&mut commands, &collision.bodies);
         force::record(device, kernels, &mut commands, model, (&collision.bodies, &self.problem.free))?;
@@ -515,7 +535,7 @@ impl ContactSolve {
         self.record_start(device, kernels, &mut commands, (model, collision, false))?;
         commands.submit(device)?;
         let recorded = self.record(device, kernels, false)?;
-        let n = self.settings.iterations.unwrap_or(PART);
+        let n = self.passes(self.settings.iterations.unwrap_or(PART), false);
         device.wait()?;
         let started = Instant::now();
         let times = Commands::submit_all(device, recorded.lists(0, n, (n, u32::MAX)))?.unobserved().wait(device)?;
@@ -525,6 +545,7 @@ impl ContactSolve {
         let mut commands = Commands::new();
         self.record_end(device, &mut commands, false);
         commands.submit(device)?;
-        Ok((seconds, recorded.lists(0, n, (n, u32::MAX)).map(Commands::n_dispatches).sum()))
+        let dispatches = recorded.lists(0, n, (n, u32::MAX)).map(Commands::n_dispatches).sum();
+        Ok((seconds, dispatches, n * self.sweeps))
     }
 }

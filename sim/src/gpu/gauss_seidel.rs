@@ -8,7 +8,7 @@
 //! inout  motion    [n_bodies]    m/s, rad/s
 //! Kernels: tile_start.wgsl, tile_visits.wgsl, tile_sweep.wgsl, tile_sweep_later.wgsl, rest_sweep.wgsl and tile_end.wgsl for
 //! spheres, visit_write.wgsl, tile_manifolds.wgsl and rest_manifolds.wgsl for shapes of any kind, joint_response.wgsl, tile_decide.wgsl, closing.wgsl and
-//! closing_decide.wgsl. Twin: cpu/solve/sweeps.rs, whose iteration is one sweep; here it is one pass over the contacts in memory. Where a gap
+//! closing_decide.wgsl. Twin: cpu/solve/sweeps.rs, whose iteration is one sweep; what is repeated here is a pass over the contacts in memory, [`passes`]. Where a gap
 //! still closes too fast, all tiles are swept again, not those alone in which one does; tiles of slow bodies are swept on alone, as there.
 //!
 //! Bytes of a contact and iteration: of spheres its visit (48), its impulse read and written (32): 80 from memory, in the order in which they are
@@ -30,6 +30,24 @@ pub const BYTES: [f64; 2] = [80.0, 117.0];
 
 /// Sweeps of a tile for one pass over its contacts in memory: of spheres, which stay in registers, and of any shapes.
 pub const SWEEPS: [u32; 2] = [4, 2];
+
+/// Passes over the tiles for so many iterations, which are sweeps over all contacts. Four sweeps of spheres carry impulses through a tile and not
+/// beyond it: in a bed at rest they leave as much overlap as two of the processor's (4,000 spheres; 8, 24 and 50 sweeps as 4.6, 12 and 25 passes). Of other
+/// shapes an iteration is a pass.
+pub fn passes(narrow: Narrow, iterations: u32) -> u32 {
+    match narrow {
+        Narrow::Spheres if iterations > 0 => iterations / 2 + 1,
+        _ => iterations,
+    }
+}
+
+/// The iterations that so many passes stand for: those of the settings, if these are even and all of them were made.
+pub fn iterations_of(narrow: Narrow, passes: u32) -> u32 {
+    match narrow {
+        Narrow::Spheres if passes > 1 => 2 * (passes - 1),
+        _ => passes,
+    }
+}
 
 /// The columns of the method, and its kernels.
 pub struct GaussSeidel {
@@ -229,7 +247,7 @@ impl GaussSeidel {
         collision.record_touching(device, commands);
         let c = &self.columns;
         let bound = [problem.scalars.bind(), self.work.bind(), problem.n_contacts.n.bind()];
-        let params = [settings.iterations.unwrap_or(0)];
+        let params = [settings.iterations.unwrap_or(0), (problem.layout.narrow == Narrow::Spheres) as u32];
         commands.dispatch(device, &self.start, &bound, &params, Work::Groups(1));
         if let Visits::Spheres { gather, columns, .. } = &self.visits {
             let of_tiles = [c.tile.bind(), c.order.bind(), c.place.bind(), c.round_start.bind()];
@@ -324,7 +342,8 @@ impl GaussSeidel {
         let fastest = closing.fastest.bind();
         let bound = [problem.row(), problem.motion.bind(), fastest, problem.n_contacts.n.bind()];
         commands.dispatch(device, &closing.measure, &bound, &[], Work::Indirect(&self.work, 1));
-        let params = [bits(closing.most[0]), bits(closing.most[1]), SolverSettings::BEYOND];
+        let stands_for_two = (problem.layout.narrow == Narrow::Spheres) as u32;
+        let params = [bits(closing.most[0]), bits(closing.most[1]), SolverSettings::BEYOND, stands_for_two];
         let bound = [fastest, problem.scalars.bind(), self.work.bind()];
         commands.dispatch(device, &closing.decide, &bound, &params, Work::Groups(1));
         Some(commands)

@@ -114,7 +114,7 @@ impl Gpu {
         let timings = self.recorded.own.end.submit(&self.device)?;
         let summary = self.survey.summary.read(&self.device, 1)?[0];
         self.add_times(timings, &mut stage_ms)?;
-        self.is_stale = true;
+        (self.is_stale, self.has_old_bodies) = (true, true);
         Ok(Stepped { outcome: outcome(&summary), survey: self.survey.of_watch(&summary, self.mass), stage_ms })
     }
 

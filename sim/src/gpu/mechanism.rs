@@ -15,7 +15,7 @@ use super::joints::{Joints, Rows, put};
 use super::overlaps::Overlaps;
 use super::parts::{groups, kernel, kernel_of};
 use super::problem::Problem;
-use super::rows::{MemberFree, MemberPose};
+use super::rows::{BodyState, MemberFree};
 use crate::cpu::mechanism::{self, Effect};
 use crate::model::Model;
 use crate::outcome::StepOutcome;
@@ -32,7 +32,7 @@ pub struct Mechanism {
     /// The columns of the joints on the device.
     pub joints: Joints,
     has_joints: bool,
-    pose: Buffer<MemberPose>,
+    pose: Buffer<BodyState>,
     free: Buffer<MemberFree>,
     effect: Buffer<[f32; 4]>,
     write_pose: Kernel,
@@ -102,7 +102,7 @@ impl Mechanism {
         let members = &self.own.bodies;
         let pose = |body: &u32| {
             let b = *body as usize;
-            Ok(MemberPose {
+            Ok(BodyState {
                 position: bodies.scale.fix(state.position[b]).ok_or(Fault::Position(*body))?,
                 body: *body,
                 is_held: self.own.joints.hold(*body) as u32,

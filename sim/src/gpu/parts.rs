@@ -28,6 +28,7 @@ const PARTS: &[Part<'static>] = parts!(
     "body_impulse",
     "body_spin",
     "spin",
+    "body_state",
     "leave_spin",
     "body_response",
     "joint_solve",

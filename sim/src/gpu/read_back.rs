@@ -15,13 +15,9 @@ impl Gpu {
     /// # Errors
     /// [`Fault::Gpu`].
     pub fn fetch(&mut self, model: &Model, state: &mut State) -> Result<(), Fault> {
+        self.fetch_bodies(state)?;
         if !self.is_stale {
             return Ok(());
-        }
-        let fetch = |state: &mut State| self.collision.bodies.fetch(&self.device, state);
-        match &self.mechanism {
-            Some(mechanism) => mechanism.keep(state, fetch)?,
-            None => fetch(state)?,
         }
         self.survey.fetch(&self.device, state)?;
         let from = self.before.from;
@@ -39,6 +35,22 @@ impl Gpu {
             self.fetch_impulses(state)?;
         }
         self.is_stale = false;
+        Ok(())
+    }
+
+    /// Bring the poses and velocities of a state up to date.
+    ///
+    /// # Errors
+    /// [`Fault::Gpu`].
+    pub fn fetch_bodies(&mut self, state: &mut State) -> Result<(), Fault> {
+        if !std::mem::take(&mut self.has_old_bodies) {
+            return Ok(());
+        }
+        let fetch = |state: &mut State| self.collision.bodies.fetch(&self.device, state);
+        match &self.mechanism {
+            Some(mechanism) => mechanism.keep(state, fetch)?,
+            None => fetch(state)?,
+        }
         Ok(())
     }
 

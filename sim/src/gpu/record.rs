@@ -1,8 +1,10 @@
 //! The recording of a step: the stages up to its contacts, and what follows by the method of the plan, or by Gauss–Seidel where that may
 //! take over.
 
+use super::plan::recovery_period;
+use super::probing::Probing;
 use super::recorded::{Recorded, Solving};
-use super::{Fault, Gpu, force, integrate, recovery_period};
+use super::{Fault, Gpu, force, integrate};
 use crate::model::Model;
 use crate::plan::StepPlan;
 use crate::stages::Stage;
@@ -22,6 +24,7 @@ impl Gpu {
         let landing = if self.solve.may_land() { Some(self.record_solving(model, period, true)?) } else { None };
         // A step is recorded again where there may be other pairs.
         self.holding.forget();
+        self.probing.iter_mut().for_each(Probing::forget);
         self.recorded = Recorded { find, held, ahead: None, own, landing, period };
         Ok(())
     }

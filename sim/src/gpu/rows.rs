@@ -175,13 +175,13 @@ gpu::wgsl_rows! {
         softness: f32,
     }
 
-    /// The state of a body that the processor keeps.
-    pub struct MemberPose {
+    /// The state of a body on its way between the processor and the device.
+    pub struct BodyState {
         /// Position, fine units.
         position: Fixed,
         /// Id of the body.
         body: u32,
-        /// Whether a joint holds it.
+        /// Whether a joint holds it, on the way to the device.
         is_held: u32,
         /// Orientation, x, y, z, w.
         orientation: [f32; 4],

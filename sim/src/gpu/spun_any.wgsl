@@ -26,6 +26,13 @@ fn about(now: Turn, axis: vec3<f32>, rate: f32, time: f32) -> Turn {
     return Turn(product_of(now.turned, angle), turned_back(angle, now.local));
 }
 
+// Quotients to rounding: the devices' are off by some roundings to one side, which depends on the divisor, and the inverse moments of a body are
+// the same in every step.
+fn quotient(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
+    let q = a / b;
+    return q + fma(-q, b, a) / b;
+}
+
 // Orientation and angular velocity in its own frame after a step without torque: about the angular momentum by the middle moment, and in
 // turns about the two other axes by what their moments differ.
 fn tumbled(before: vec4<f32>, w: vec3<f32>, inverse: vec3<f32>, h: f32) -> Spun {
@@ -36,7 +43,7 @@ fn tumbled(before: vec4<f32>, w: vec3<f32>, inverse: vec3<f32>, h: f32) -> Spun 
     let fast = select(select(vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), inverse.y == most), vec3(0.0, 0.0, 1.0), inverse.z == most);
     let middle = dot(inverse, 1.0 - slow - fast);
     let rates = vec2(least - middle, most - middle);
-    let start = turned_back(before, w) / inverse;
+    let start = quotient(turned_back(before, w), inverse);
     let momentum = turned(before, start);
     let swing = sqrt(-rates.x * rates.y) * length(momentum) * h;
     let parts = clamp(ceil(swing / PART), 1.0, MOST_PARTS);
@@ -63,7 +70,7 @@ fn spun(body: u32, w: vec3<f32>, h: f32, part: f32) -> Spun {
         own = tumbled(orientation[body], w, inverse, h);
     }
     if part > 0.0 {
-        let momentum = turned(own.orientation, own.spin / inverse);
+        let momentum = turned(own.orientation, quotient(own.spin, inverse));
         let moved = displaced[DISPLACED * body + 2u].xyz * part;
         own.orientation = unit(product_of(rotation_by(moved), own.orientation));
         own.spin = turned_back(own.orientation, momentum) * inverse;

@@ -3,6 +3,7 @@
 mod given;
 mod joints;
 mod long;
+mod probes;
 mod solids;
 mod surfaces;
 mod whole;
@@ -12,8 +13,8 @@ use super::contact_solve::ContactSolve;
 use super::fixed::{Scale, gap_cpu};
 use super::parts::kernel;
 use super::rows::{
-    Aabb, Arms, Body, Contact, Fixed, Fixture, JointRow, JointSide, Member, MemberFree, MemberPose, Node, Solid,
-    Sphere, Summary,
+    Aabb, Arms, Body, BodyState, Contact, Fixed, Fixture, JointRow, JointSide, Member, MemberFree, Node, Solid, Sphere,
+    Summary,
 };
 use crate::fill::SplitMix64;
 use crate::shape::ShapeKind;
@@ -163,7 +164,7 @@ fn change_body(body: u32, change: Twist) {}
     check::<Member>(&joints).unwrap();
     check::<JointSide>(&joints).unwrap();
     check::<JointRow>(&joints).unwrap();
-    check::<MemberPose>(&text(&[fixed, sphere, include_str!("member_pose.wgsl")])).unwrap();
+    check::<BodyState>(&text(&[fixed, sphere, include_str!("body_state.wgsl")])).unwrap();
     let solve_row = [include_str!("row.wgsl"), include_str!("solve_row.wgsl")];
     check::<MemberFree>(&text(&[fixed, sphere, solve_row[0], solve_row[1], include_str!("member_free.wgsl")])).unwrap();
     check::<Arms>(&text(&[fixed, sphere, include_str!("contact.wgsl")])).unwrap();

@@ -101,6 +101,11 @@ fn sweep_tile(tile: u32, thread: u32) {
     var own1 = visit_at(base, thread + THREADS, n);
     var own2 = visit_at(base, thread + 2u * THREADS, n);
     var own3 = visit_at(base, thread + 3u * THREADS, n);
+    // The first colour of visits that stay in memory: the last of the order.
+    var beyond = n_colors;
+    if n > KEPT {
+        beyond = color_of(visits[base + KEPT]);
+    }
     // The residual terms of the first sweep.
     var term = 0.0;
     for (var sweep = 0u; sweep < params[3]; sweep++) {
@@ -119,7 +124,7 @@ fn sweep_tile(tile: u32, thread: u32) {
             if color_of(own3.visit) == color {
                 term += visit(&own3, is_first);
             }
-            if n > KEPT {
+            if color >= beyond {
                 for (var i = KEPT + thread; i < n; i += THREADS) {
                     if color_of(visits[base + i]) == color {
                         var other = visit_at(base, i, n);

@@ -1,8 +1,9 @@
-// Gauss–Seidel begins: the most iterations, and the workgroups of an iteration.
+// Gauss–Seidel begins: the most passes, and the workgroups of a pass.
 // inout scalars      [1]
 // out   work         [2]  workgroups of the joints and of `closing`
 // in    count        [1]  n_contacts
-// in    params       [1]  the most iterations, 0 for the default
+// in    params       [2]  the most iterations, 0 for the default; whether a pass stands for two
+// Twin: gauss_seidel.rs, passes
 #import scalars
 
 @group(0) @binding(0) var<storage, read_write> scalars: array<Scalars>;
@@ -13,7 +14,8 @@
 @compute @workgroup_size(1)
 fn main() {
     let n = count[0];
-    scalars[0].limit = max_iterations(params[0], blocks_of(n));
+    let most = max_iterations(params[0], blocks_of(n));
+    scalars[0].limit = select(most, most / 2u + 1u, params[1] == 1u);
     scalars[0].trials = 0u;
     scalars[0].goes_on = select(0u, 1u, n > 0u);
     scalars[0].residual = 0.0;

@@ -1,4 +1,4 @@
-// Gauss–Seidel over the tiles of the first round of spheres, which have most of the pairs: `tile_spheres`, by workgroups of 128.
+// Gauss–Seidel over the tiles of the first round of spheres, which have most of the pairs: `tile_spheres`, by workgroups of 160.
 // in    visits       [n_pairs]     of each tile, from its first pair on, in the order of colours
 // in    tiles        [n_tiles]     first pair, number of visits, place of the first body in the list, numbers of bodies and of colours
 // in    tile_body    [2 n_pairs]   bodies of each tile
@@ -22,10 +22,10 @@
 @group(0) @binding(7) var<storage, read> scalars: array<Scalars>;
 @group(0) @binding(8) var<storage, read> params: array<u32>;
 
-const THREADS: u32 = 128u;
+const THREADS: u32 = 160u;
 const ROOM: u32 = MOST_BODIES;
 
-@compute @workgroup_size(128)
+@compute @workgroup_size(160)
 fn main(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,

@@ -26,8 +26,9 @@ use gpu::radix_sort::RadixSort;
 use gpu::{Bound, Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels, Work};
 
 /// Volume of a tile over the usual one of a sphere's cube, and of the box about a shape of any kind: as many bodies as a workgroup has room for
-/// where they are packed most densely, less a quarter. Spheres are packed by up to 1.41 in a cube.
-const CROWD: [f64; 2] = [262.0, 340.0];
+/// where they are packed most densely, less a quarter, and of spheres as many contacts as a workgroup has registers for in a bed at rest. Spheres are packed by
+/// up to 1.41 in a cube.
+const CROWD: [f64; 2] = [235.0, 340.0];
 
 /// Least edge of a tile over the usual width of a shape: neighbours are within a cube of one of the rounds.
 const LEAST_EDGE: f64 = 2.5;

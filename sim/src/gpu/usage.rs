@@ -13,8 +13,8 @@ pub struct Usage {
     pub largest_buffer: u64,
     /// Bytes of a contact and sweep from memory, by the method of the model.
     pub bytes_per_contact_sweep: f64,
-    /// Sweeps of an iteration.
-    pub sweeps: u32,
+    /// Sweeps over contacts, by the number of these.
+    pub contact_sweeps: u64,
     /// Steps that were begun as if the pairs held, and begun again since they did not.
     pub begun_again: u64,
     /// What has gone between the processor and the device.

@@ -80,8 +80,8 @@ fn both(model: &Model, state: &State) -> Option<[BTreeMap<[u32; 3], Vec<Found>>;
 pub fn hold(model: &Model, state: &State, [gap, turn, same, deep]: [f64; 4]) -> usize {
     let Some([own, expected]) = both(model, state) else { return usize::MAX };
     let least = |points: &[Found]| points.iter().copied().min_by(|p, q| p.1.total_cmp(&q.1)).unwrap();
-    /// Share of the pairs whose points are in the same places.
-    const PLACED: f64 = 0.97;
+    /// Share of the pairs whose points are in the same places (192 of 198 on an NVIDIA H200, 195 on the software adapter).
+    const PLACED: f64 = 0.96;
     /// Share of the pairs that may be found deeper in each other by a share of their depth: the least depth is looked for by steps, which rounding
     /// may lead to another one that is least among its neighbours (one of 170 pairs on an NVIDIA H100, by 7 %).
     const DEEPER: [f64; 2] = [0.01, 0.1];
@@ -91,6 +91,7 @@ pub fn hold(model: &Model, state: &State, [gap, turn, same, deep]: [f64; 4]) -> 
         model.envelope + (state.velocity[b].length() + state.angular_velocity[b].length() * arm) * model.step
     };
     let (mut n_same, mut n_placed, mut n_turned, mut n, mut n_seams, mut n_deeper) = (0, 0, 0, 0, 0, 0);
+    let mut wrong = Vec::new();
     let is_triangle = |key: &[u32; 3]| key[..2].iter().any(|s| model.shape_kind[*s as usize].is_surface());
     for (shapes, points) in &expected {
         let reach = margin(shapes[0]) + margin(shapes[1]);
@@ -118,7 +119,9 @@ pub fn hold(model: &Model, state: &State, [gap, turn, same, deep]: [f64; 4]) -> 
             n_deeper += 1;
             continue;
         }
-        assert!((e.1 - f.1).abs() < gap, "{shapes:?}: gap {} for {}\n{found:?}\n{points:?}", f.1, e.1);
+        if (e.1 - f.1).abs() >= gap {
+            wrong.push(format!("{shapes:?}: gap {} for {}\n  {found:?}\n  {points:?}", f.1, e.1));
+        }
         n_turned += ((e.0 - f.0).length() > turn) as usize;
         let is_same = found.len() == points.len()
             && points
@@ -140,6 +143,7 @@ pub fn hold(model: &Model, state: &State, [gap, turn, same, deep]: [f64; 4]) -> 
     eprintln!(
         "{n} pairs, {n_placed} with points in the same places, {n_same} of the same names, too, {n_turned} with another normal, {n_seams} at seams of one alone"
     );
+    assert!(wrong.is_empty(), "{} pairs have another gap:\n{}", wrong.len(), wrong.join("\n"));
     let is_most = |k: usize| k as f64 >= same * n as f64;
     assert!(is_most(n_same) && is_most(n - n_turned), "{n_same} of {n}, {n_turned} turned");
     assert!(n_placed as f64 >= PLACED * n as f64, "{n_placed} of {n} have points in the same places");

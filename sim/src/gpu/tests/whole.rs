@@ -161,7 +161,6 @@ fn steps_in_which_a_bed_lands_are_swept_as_on_the_cpu() {
             simulation.fetch().unwrap();
         }
         let off = [&own, &alone].map(|s| apart(&s.state, &cpu.state));
-        // Of these iterations the device makes four sweeps each.
         assert!(off[0] < 1.5e-4 && off[0] < 0.1 * off[1], "{method:?}: {off:?} m");
         // From the middle of the landing.
         (0..2).for_each(|_| drop(again.step()));
