@@ -1,8 +1,8 @@
 //! What a line of the probes asks of the device: sums over the contacts, and the states of the bodies that are probed, in the place of all columns.
 //! in   row, gamma, motion                     of the step's contacts
 //! in   position, orientation, velocity, spin  of the bodies
-//! out  sums    [1 + n_pairs]  slip speeds, m/s, and the number of contacts with an impulse; of each pair of classes the force over h, N s, and their
-//!                             number
+//! out  sums    [1 + n_pairs]  slip speeds, m/s, and the number of contacts with an impulse, if there are energies; of each pair of classes the impulse,
+//!                             N s, and their number
 //! out  states  [n_probed]
 //! Kernels: probe_contacts.wgsl, probe_total.wgsl, probe_bodies.wgsl. Twin: probe.rs
 
@@ -10,20 +10,18 @@ use super::bodies::Bodies;
 use super::parts::{groups, kernel, kernel_of};
 use super::problem::Problem;
 use super::rows::BodyState;
-use super::{Fault, Gpu};
 use crate::model::Model;
 use crate::model_file::Probes;
-use crate::probe::Sums;
 use crate::stages::Stage;
-use crate::state::State;
 use glam::DVec3;
 use gpu::{Buffer, Commands, Device, GpuError, Kernel, Kernels, Work};
 
 /// The columns and kernels of the probes of a run, and their commands.
 pub struct Probing {
-    /// Ids of the bodies, and pairs of classes.
+    /// Ids of the bodies, pairs of classes, and whether there are energies.
     bodies: Vec<u32>,
     pairs: Vec<[u32; 2]>,
+    energies: bool,
     body: Buffer<u32>,
     states: Buffer<BodyState>,
     class: Buffer<u32>,
@@ -35,8 +33,19 @@ pub struct Probing {
     commands: Option<Commands>,
 }
 
+/// What has been measured.
+pub struct Measured {
+    /// States of the probed bodies.
+    pub states: Vec<BodyState>,
+    /// Mean slip speed of the contacts with an impulse, m/s.
+    pub mean_slip: f64,
+    /// Of each pair of classes, the number of contacts with an impulse and their impulse on the second class, N s.
+    pub between: Vec<(usize, DVec3)>,
+}
+
 impl Probing {
-    fn new(
+    /// For the probes of a run.
+    pub fn new(
         device: &Device,
         kernels: &Kernels,
         (model, probes): (&Model, &Probes),
@@ -55,13 +64,15 @@ impl Probing {
             total: kernel(device, kernels, "probe_total", include_str!("probe_total.wgsl"))?,
             bodies: probes.bodies.clone(),
             pairs,
+            energies: probes.energies,
             commands: None,
         })
     }
 
     /// Whether these are the quantities of probes.
-    fn is_of(&self, probes: &Probes) -> bool {
-        self.bodies == probes.bodies && self.pairs.iter().eq(probes.contacts.iter().map(|(_, pair)| pair))
+    pub fn is_of(&self, probes: &Probes) -> bool {
+        (&self.bodies, self.energies) == (&probes.bodies, probes.energies)
+            && self.pairs.iter().eq(probes.contacts.iter().map(|(_, pair)| pair))
     }
 
     /// Forget the commands, which are for columns that are no more.
@@ -75,9 +86,9 @@ impl Probing {
         let n = problem.n_contacts.n.bind();
         let rows = [problem.row(), problem.motion.bind(), problem.gamma.bind(), self.class.bind()];
         let bound: Vec<gpu::Bound> = rows.into_iter().chain([n, problem.of_contacts.bind()]).collect();
-        let slip = [0; 3];
-        let between = self.pairs.iter().map(|[a, b]| [1, *a, *b]);
-        for (place, params) in [slip].into_iter().chain(between).enumerate() {
+        let slip = self.energies.then_some((0, [0; 3]));
+        let between = self.pairs.iter().enumerate().map(|(i, [a, b])| (1 + i, [1, *a, *b]));
+        for (place, params) in slip.into_iter().chain(between) {
             commands.dispatch(device, &self.of_contacts, &bound, &params, problem.contacts());
             let of_total = [problem.of_contacts.bind(), n, self.sums.bind()];
             commands.dispatch(device, &self.total, &of_total, &[place as u32], Work::Groups(1));
@@ -90,47 +101,30 @@ impl Probing {
         }
         commands
     }
-}
 
-impl Gpu {
-    /// Measure what a line of the probes has at the end of a step, and bring the probed bodies up to date in the state. None where the state is up to
-    /// date, or has sleeping bodies, whose contacts are not on the device.
+    /// Measure at the end of a step.
     ///
     /// # Errors
-    /// [`Fault::Gpu`].
-    pub fn probe(&mut self, model: &Model, state: &mut State, probes: &Probes) -> Result<Option<Sums>, Fault> {
-        if !self.has_old_bodies || self.before.from != Stage::Bounds || !state.sleepers.are_none() {
-            return Ok(None);
-        }
-        let (device, problem) = (&self.device, &self.solve.problem);
-        let mut own = match self.probing.take().filter(|own| own.is_of(probes)) {
-            Some(own) => own,
-            None => Probing::new(device, &self.kernels, (model, probes), problem)?,
-        };
-        let at = &self.collision.bodies;
-        let commands = own.commands.take().unwrap_or_else(|| own.record(device, problem, at));
+    /// Those of [`Commands::submit`] and [`Buffer::read_back`].
+    pub fn measure(&mut self, device: &Device, problem: &Problem, at: &Bodies) -> Result<Measured, GpuError> {
+        let commands = self.commands.take().unwrap_or_else(|| self.record(device, problem, at));
         commands.submit(device)?;
-        own.commands = Some(commands);
-        let sums = own.sums.read_back(device, 1 + own.pairs.len())?;
-        if !own.bodies.is_empty() {
-            let states = own.states.read_back(device, own.bodies.len())?.wait(device)?;
-            let put = |state: &mut State| states.iter().for_each(|row| at.put(state, row));
-            match &self.mechanism {
-                Some(mechanism) => mechanism.keep(state, put),
-                None => put(state),
-            }
-        }
-        let sums = sums.wait(device)?;
-        let wide = |row: &[f32; 4]| row.map(f64::from);
-        let [slip, _, _, n] = wide(&sums[0]);
-        let force = |row: &[f32; 4]| {
-            let [x, y, z, n] = wide(row);
-            (n as usize, DVec3::new(x, y, z) / model.step)
+        self.commands = Some(commands);
+        let sums = self.sums.read_back(device, 1 + self.pairs.len())?;
+        let states = match self.bodies.len() {
+            0 => vec![],
+            n => self.states.read_back(device, n)?.wait(device)?,
         };
-        let between = sums[1..].iter().map(force).collect();
-        let [kinetic, potential, deepest] = self.measured;
-        let whole = [kinetic, potential, deepest, if n > 0.0 { slip / n } else { 0.0 }];
-        self.probing = Some(own);
-        Ok(Some(Sums { whole, between }))
+        let sums = sums.wait(device)?;
+        let [slip, _, _, n] = sums[0].map(f64::from);
+        let force = |row: &[f32; 4]| {
+            let [x, y, z, n] = row.map(f64::from);
+            (n as usize, DVec3::new(x, y, z))
+        };
+        Ok(Measured {
+            states,
+            mean_slip: if n > 0.0 { slip / n } else { 0.0 },
+            between: sums[1..].iter().map(force).collect(),
+        })
     }
 }

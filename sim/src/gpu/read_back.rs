@@ -1,10 +1,13 @@
 //! The way back: the columns of a state from those on the device.
 
+use super::probing::Probing;
 use super::{Fault, Gpu};
 use crate::contacts::{Arms, Contacts, NO_PAIR};
 use crate::manifolds::Manifolds;
 use crate::model::Model;
+use crate::model_file::Probes;
 use crate::plan::Narrow;
+use crate::probe::Sums;
 use crate::stages::Stage;
 use crate::state::State;
 use glam::DVec3;
@@ -52,6 +55,33 @@ impl Gpu {
             None => fetch(state)?,
         }
         Ok(())
+    }
+
+    /// Measure what a line of the probes has at the end of a step, and bring the probed bodies up to date in the state. None where the state is up to
+    /// date, or has sleeping bodies, whose contacts are not on the device.
+    ///
+    /// # Errors
+    /// [`Fault::Gpu`].
+    pub fn probe(&mut self, model: &Model, state: &mut State, probes: &Probes) -> Result<Option<Sums>, Fault> {
+        if !self.has_old_bodies || self.before.from != Stage::Bounds || !state.sleepers.are_none() {
+            return Ok(None);
+        }
+        let (device, problem, bodies) = (&self.device, &self.solve.problem, &self.collision.bodies);
+        let mut probing = match self.probing.take().filter(|own| own.is_of(probes)) {
+            Some(own) => own,
+            None => Probing::new(device, &self.kernels, (model, probes), problem)?,
+        };
+        let measured = probing.measure(device, problem, bodies)?;
+        self.probing = Some(probing);
+        let put = |state: &mut State| measured.states.iter().for_each(|row| bodies.put(state, row));
+        match &self.mechanism {
+            Some(mechanism) => mechanism.keep(state, put),
+            None => put(state),
+        }
+        let [kinetic, potential, deepest] = self.measured;
+        let force = |(n, impulse): &(usize, DVec3)| (*n, *impulse / model.step);
+        let between = measured.between.iter().map(force).collect();
+        Ok(Some(Sums { whole: [kinetic, potential, deepest, measured.mean_slip], between }))
     }
 
     /// The first `n` contacts of the device, with their impulses.
