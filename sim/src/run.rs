@@ -115,7 +115,7 @@ pub enum Computer {
 }
 
 /// The least number of bodies that move for which [`Computer::Auto`] takes a graphics adapter. It is an estimate, on the side of the
-/// processor: a step of 50 iterations has some 260 dispatches, each of several microseconds whatever the number of bodies, in which time
+/// processor: a step of 50 iterations has some 180 dispatches, each of several microseconds whatever the number of bodies, in which time
 /// dozens of processor cores step about as many spheres.
 pub const LEAST_FOR_GPU: usize = 20_000;
 
