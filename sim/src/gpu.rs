@@ -549,6 +549,9 @@ impl Gpu {
         let Solving { end, recovery, .. } = self.solving();
         let end = if state.steps.is_multiple_of(self.recorded.period) { recovery } else { end };
         times.stages.push(end.submit(&self.device)?);
+        if let Some(probing) = &mut self.probing {
+            probing.follow(&self.device, &self.solve.problem, &self.collision.bodies)?;
+        }
         // While the device is at this step, the next one is encoded.
         self.recorded.ahead = Some(self.recorded.prepare(&self.device, self.holding.is_likely_after()));
         Ok(Submitted::Done(rounds))

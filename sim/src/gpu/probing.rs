@@ -14,7 +14,7 @@ use crate::model::Model;
 use crate::model_file::Probes;
 use crate::stages::Stage;
 use glam::DVec3;
-use gpu::{Buffer, Commands, Device, GpuError, Kernel, Kernels, Work};
+use gpu::{Buffer, Commands, Device, GpuError, Kernel, Kernels, ReadBack, Work};
 
 /// The columns and kernels of the probes of a run, and their commands.
 pub struct Probing {
@@ -31,6 +31,16 @@ pub struct Probing {
     total: Kernel,
     /// The commands for the columns that the solver has now.
     commands: Option<Commands>,
+    /// Whether the last step was probed, so that the next one is likely to be.
+    is_likely: bool,
+    /// What is on its way back of the last step, if it was expected to be probed.
+    begun: Option<Begun>,
+}
+
+/// Sums and states on their way back.
+struct Begun {
+    sums: ReadBack<[f32; 4]>,
+    states: Option<ReadBack<BodyState>>,
 }
 
 /// What has been measured.
@@ -66,6 +76,8 @@ impl Probing {
             pairs,
             energies: probes.energies,
             commands: None,
+            is_likely: false,
+            begun: None,
         })
     }
 
@@ -77,7 +89,30 @@ impl Probing {
 
     /// Forget the commands, which are for columns that are no more.
     pub fn forget(&mut self) {
-        self.commands = None;
+        (self.commands, self.begun) = (None, None);
+    }
+
+    /// Begin to measure behind the commands of a step, if it is likely to be probed: what is measured comes back with its summary.
+    ///
+    /// # Errors
+    /// Those of [`Commands::submit`] and [`Buffer::read_back`].
+    pub fn follow(&mut self, device: &Device, problem: &Problem, at: &Bodies) -> Result<(), GpuError> {
+        self.begun = None;
+        if std::mem::take(&mut self.is_likely) {
+            self.begun = Some(self.begin(device, problem, at)?);
+        }
+        Ok(())
+    }
+
+    fn begin(&mut self, device: &Device, problem: &Problem, at: &Bodies) -> Result<Begun, GpuError> {
+        let commands = self.commands.take().unwrap_or_else(|| self.record(device, problem, at));
+        commands.submit(device)?;
+        self.commands = Some(commands);
+        let n = self.bodies.len();
+        Ok(Begun {
+            sums: self.sums.read_back(device, 1 + self.pairs.len())?,
+            states: if n > 0 { Some(self.states.read_back(device, n)?) } else { None },
+        })
     }
 
     fn record(&self, device: &Device, problem: &Problem, at: &Bodies) -> Commands {
@@ -107,15 +142,13 @@ impl Probing {
     /// # Errors
     /// Those of [`Commands::submit`] and [`Buffer::read_back`].
     pub fn measure(&mut self, device: &Device, problem: &Problem, at: &Bodies) -> Result<Measured, GpuError> {
-        let commands = self.commands.take().unwrap_or_else(|| self.record(device, problem, at));
-        commands.submit(device)?;
-        self.commands = Some(commands);
-        let sums = self.sums.read_back(device, 1 + self.pairs.len())?;
-        let states = match self.bodies.len() {
-            0 => vec![],
-            n => self.states.read_back(device, n)?.wait(device)?,
+        let begun = match self.begun.take() {
+            Some(begun) => begun,
+            None => self.begin(device, problem, at)?,
         };
-        let sums = sums.wait(device)?;
+        self.is_likely = true;
+        let sums = begun.sums.wait(device)?;
+        let states = begun.states.map_or(Ok(vec![]), |states| states.wait(device))?;
         let [slip, _, _, n] = sums[0].map(f64::from);
         let force = |row: &[f32; 4]| {
             let [x, y, z, n] = row.map(f64::from);

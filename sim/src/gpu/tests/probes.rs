@@ -42,7 +42,7 @@ fn lines_of_probes_are_those_of_the_state() {
         let device = Device::open(&Choice::Any).unwrap();
         let mut own = Simulation::on_device(model, resolved.state, device).unwrap();
         let mut forces = 0.0f64;
-        for steps in [0, 1, 60, 60] {
+        for steps in [0, 1, 1, 60, 1, 1, 60] {
             (0..steps).for_each(|_| drop(own.step()));
             let before = own.device_usage().unwrap().traffic;
             let line = own.probe_line(&probes).unwrap();
