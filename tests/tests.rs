@@ -33,6 +33,7 @@ mod layers;
 mod light;
 mod looks;
 mod marks;
+mod mechanisms;
 mod movies;
 mod outputs;
 mod overlays;

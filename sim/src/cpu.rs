@@ -3,6 +3,7 @@
 //! Every stage that runs in parallel splits its rows into chunks of fixed length, so that results have the same bits for any number
 //! of threads.
 
+mod arcs;
 mod bin_emit;
 mod bin_start;
 pub mod bounds;
@@ -192,8 +193,8 @@ impl Cpu {
             masses: &self.masses,
             free: &self.free,
             joints: &mut self.joints,
-            limits: &self.limits.rows,
-            limit_impulse: &mut self.limits.impulse,
+            joint_start: &self.joint_start,
+            limits: &mut self.limits,
             response: &mut self.response,
             displacement: &mut self.displacement,
         };

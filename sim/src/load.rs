@@ -39,6 +39,27 @@ pub enum Function {
 }
 
 impl Function {
+    /// The greatest size of a value.
+    pub fn greatest(&self) -> f64 {
+        match self {
+            Function::Constant(x) => x.abs(),
+            Function::Step { before: a, after: b, .. } | Function::Ramp { values: [a, b], .. } => a.abs().max(b.abs()),
+            Function::Sine { mean, amplitude, .. } => mean.abs() + amplitude.abs(),
+            Function::Table(points) => points.iter().map(|p| p[1].abs()).fold(0.0, f64::max),
+        }
+    }
+
+    /// The greatest size of a rate of change, but for jumps, 1/s.
+    pub fn steepest(&self) -> f64 {
+        let slope = |[t, a]: [f64; 2], [u, b]: [f64; 2]| if u > t { (b - a).abs() / (u - t) } else { 0.0 };
+        match self {
+            Function::Constant(_) | Function::Step { .. } => 0.0,
+            Function::Ramp { values: [a, b], times: [t, u] } => slope([*t, *a], [*u, *b]),
+            Function::Sine { amplitude, frequency, .. } => (std::f64::consts::TAU * frequency * amplitude).abs(),
+            Function::Table(points) => points.windows(2).map(|p| slope(p[0], p[1])).fold(0.0, f64::max),
+        }
+    }
+
     /// The value at a time, s.
     pub fn at(&self, t: f64) -> f64 {
         match self {

@@ -33,6 +33,8 @@ const MAX_SPEED: f64 = 1e5;
 const JOINT_ERROR: f64 = 1e-3;
 /// Tolerance of joint errors that are angles, rad.
 const JOINT_ANGLE: f64 = 1e-2;
+/// Turn in a step from which on it may be what a joint does not follow, rad.
+const TURN: f64 = 0.2;
 /// Tolerance of errors of driven rates, over the prescribed rate: of fast motors, and at most, of slow ones.
 const MOTOR_RATE: [f64; 2] = [1e-2, 0.5];
 /// Tolerance of errors of driven rates within 1 s, over that of errors of joints.
@@ -192,7 +194,7 @@ impl WatchState {
         let is_caused = self.is_caused(model, state, survey.mass);
         let found = [
             self.residual(model, seen).map(|m| (WarningKind::Residual, m)),
-            self.joint(model, seen).map(|m| (WarningKind::Joint, m)),
+            self.joint(model, state, seen).map(|m| (WarningKind::Joint, m)),
             self.motor(model, state).map(|m| (WarningKind::Motor, m)),
             self.energy(model, state, (seen, survey), is_caused)
                 .or_else(|| self.lost_energy(model, state, survey, is_caused))
@@ -223,17 +225,21 @@ impl WatchState {
         })
     }
 
-    fn joint(&self, model: &Model, seen: &StepOutcome) -> Option<String> {
+    fn joint(&self, model: &Model, state: &State, seen: &StepOutcome) -> Option<String> {
         let JointErrors { length, angle } = seen.joints;
         let named = |joint: usize| joint_label(model, &model.joints[joint]);
+        let too_fast = |joint: usize| turn_message(model, state, &model.joints[joint]);
         let bound = JOINT_ERROR * self.diagonal;
         if length.1 > bound {
             let of = "a thousandth of the initial bounding box's diagonal";
-            return Some(format!("{} is violated by {:.3e} m, above {bound:.3e} m, {of}", named(length.0), length.1));
+            let (name, why) = (named(length.0), too_fast(length.0));
+            return Some(format!("{name} is violated by {:.3e} m, above {bound:.3e} m, {of}{why}", length.1));
         }
         let (joint, error) = angle;
-        (error > JOINT_ANGLE)
-            .then(|| format!("{} is violated by {error:.3e} rad, above {JOINT_ANGLE} rad", named(joint)))
+        (error > JOINT_ANGLE).then(|| {
+            let (name, why) = (named(joint), too_fast(joint));
+            format!("{name} is violated by {error:.3e} rad, above {JOINT_ANGLE} rad{why}")
+        })
     }
 
     /// The motor that is farthest from what it prescribes, of those beyond their bounds.
@@ -428,6 +434,19 @@ fn lag_message(model: &Model, joint: &Joint, now: &JointState, [goal, is]: [f64;
     let named = joint_label(model, joint);
     format!(
         "the motor of {named} does not reach what it prescribes: the {what} is {is:.3e} {unit}{per} instead of {goal:.3e} {unit}{per}, off by more than {bound:.3e} {unit}{per}{limit}"
+    )
+}
+
+/// What is to be said of a joint on which a body turns too far in a step: how far, and a step that resolves it; nothing of others.
+fn turn_message(model: &Model, state: &State, joint: &Joint) -> String {
+    let rate = |body: &u32| state.angular_velocity[*body as usize].length();
+    let fastest = joint.bodies.iter().max_by(|a, b| rate(a).total_cmp(&rate(b)));
+    let Some(body) = fastest.filter(|b| rate(b) * model.step > TURN) else { return String::new() };
+    let turn = rate(body) * model.step;
+    let step = model.step * TURN / turn;
+    format!(
+        "; body {} turns by {turn:.2} rad in a step: take steps of {step:.1e} s, or a lower speed",
+        label(model, *body)
     )
 }
 

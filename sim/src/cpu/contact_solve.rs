@@ -13,9 +13,11 @@
 //! in     contact_law       [n_contacts]
 //! in     tensor            [n_tensors]
 //! in     free              [n_bodies]     m/s and rad/s, world
+//! in     joint_start       [n_joints + 1]
 //! in     joint_row         [n_rows]
-//! in     joint_bias        [n_rows]       m/s
-//! in     limit             [n_limits]
+//! in     limit_joint       [n_limits]
+//! inout  joint_bias        [n_rows]       m/s: on the arcs of the step
+//! inout  limit             [n_limits]     the same
 //! inout  impulse           [n_contacts]   N s, world: the starting point, then the solution
 //! inout  rolling_impulse   [n_contacts]   N m s, world
 //! out    motion            [n_bodies]     m/s and rad/s, world
@@ -27,7 +29,9 @@
 //! N = Dᵀ M̃⁻¹ D and r = b + Dᵀ v_free. The metric: contact i's steps are scaled by η_i = 3/trace(D_iᵀ M⁻¹ D_i), one scalar per
 //! contact, which preserves its cone. The methods are in [`super::solve`].
 
+use super::arcs::{Arcs, Linear};
 use super::impacts::bounces;
+use super::joint_write::Limits;
 use super::masses::Masses;
 use super::solve::bodies::{BodyOperator, Falling, Free, Offset, Recovery};
 use super::solve::exact;
@@ -61,10 +65,10 @@ pub struct Columns<'a> {
     pub free: &'a [Twist],
     /// Rows of the joints.
     pub joints: &'a mut Joints,
-    /// Rows of joint limits that may be met.
-    pub limits: &'a [Row],
-    /// Impulses of those (n_limits).
-    pub limit_impulse: &'a mut Vec<f64>,
+    /// First row of each joint, and of the springs (n_joints + 1).
+    pub joint_start: &'a [u32],
+    /// Joint limits that may be met.
+    pub limits: &'a mut Limits,
     /// Velocities with contacts and joints, and the joints' multipliers.
     pub response: &'a mut Response,
     /// Recovery of overlaps.
@@ -81,6 +85,7 @@ pub struct Workspace {
     eta: Vec<f64>,
     iterates: Iterates,
     sweeps: Sweeps,
+    arcs: Arcs,
 }
 
 /// The stage. Returns the solver's outcome, and the bodies of the block with the maximum residual where the step's is above
@@ -90,7 +95,7 @@ pub fn run(
     plan: &StepPlan,
     state: &State,
     contacts: &mut Contacts,
-    Columns { masses, free, joints, limits, limit_impulse, response, displacement }: Columns,
+    Columns { masses, free, joints, joint_start, limits, response, displacement }: Columns,
     work: &mut Workspace,
 ) -> (Outcome, Option<[u32; 2]>) {
     let n = contacts.len();
@@ -100,9 +105,17 @@ pub fn run(
             support::fill(model, state, contacts);
             start
         }
-        None => (plan.method_with(n, limits.len()), &model.solver),
+        None => (plan.method_with(n, limits.rows.len()), &model.solver),
     };
     joints.prepare(masses);
+    let at = (model, state);
+    // Without contacts and limits the joints answer once.
+    if n > 0 || !limits.rows.is_empty() {
+        let linear = Linear { start: joint_start, joints, masses };
+        work.arcs.foresee(at, linear, free, (response, limits));
+    }
+    let Limits { rows: limits, impulse: limit_impulse, .. } = limits;
+    let limits = &limits[..];
     let has_offsets = work.fill_offsets(model, plan, state, contacts, (joints, limits), method);
     // Sweeps on packed contacts compute η themselves.
     match method {
@@ -144,24 +157,37 @@ pub fn run(
         fill_eta(&mut eta_of_worst, plan, masses, op.contacts, limits);
         op.eta = &eta_of_worst;
     }
+    work.arcs.hold(at, Linear { start: joint_start, joints: op.joints, masses }, response);
     let worst = is_high.then(|| op.bodies(worst_block(&op, &gamma, response)));
     displacement.twist.clear();
     let period = recovery_period(plan, method);
     if state.steps.is_multiple_of(period) {
         overlaps::recover(&mut op, period, response, displacement);
     }
+    let n_limits = limits.len();
+    work.gamma = keep(gamma, contacts, (limit_impulse, n_limits), plan.rolls);
+    (outcome, worst)
+}
+
+/// Put the multipliers of a solve into the columns of the contacts and of the `n_limits` limits. Returns the memory.
+fn keep(
+    mut gamma: Vec<DVec3>,
+    contacts: &mut Contacts,
+    (limit_impulse, n_limits): (&mut Vec<f64>, usize),
+    rolls: bool,
+) -> Vec<DVec3> {
+    let n = contacts.len();
     limit_impulse.clear();
-    limit_impulse.extend(gamma[gamma.len() - limits.len()..].iter().map(|g| g.x));
-    if has_other_blocks {
+    limit_impulse.extend(gamma[gamma.len() - n_limits..].iter().map(|g| g.x));
+    if rolls || n_limits > 0 {
         contacts.impulse.copy_from_slice(&gamma[..n]);
-        if plan.rolls {
+        if rolls {
             contacts.rolling_impulse.copy_from_slice(&gamma[n..2 * n]);
         }
     } else {
         std::mem::swap(&mut gamma, &mut contacts.impulse);
     }
-    work.gamma = gamma;
-    (outcome, worst)
+    gamma
 }
 
 /// Solve by a method, or by sweeps where they take over.

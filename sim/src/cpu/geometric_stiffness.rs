@@ -3,7 +3,9 @@
 //! The force F of a joint on a body at the arm r turns with nothing while the arm turns with the body: in the frame of the body its torque
 //! changes by −K δθ with K = (F·r̂) (|r| 1 − r r̂ᵀ): none about the arm itself. Light links under tension swing fast, and where h²K is above
 //! their inertia the explicit rows of a step shake them apart. There K acts at the step's end, as a stiff spring does: it is added to the
-//! inertia, h²K for the links' rotation, and so S stays block-sparse; a link of constant length resists transverse motion with F over its
+//! inertia, h²K for the links' rotation, and so S stays block-sparse. What the step
+//! resolves as it can turn, about the point that a joint holds in place with the inertia about that, or with its inertia across its arms, is left as it is, but for light links under heavy
+//! loads, which the rise of their inertia calms; a link of constant length resists transverse motion with F over its
 //! length, by two rows. Inertia that is more than twice that of the step before takes over the momentum that is there: links that shake while
 //! they turn taut would gain energy from nothing, if they kept their velocity.
 //! Forces are those of the last step. Where joints of such bodies carry far more in this one, as when a chain becomes taut, the stiffness
@@ -14,7 +16,7 @@
 use super::masses::Masses;
 use super::solve::joints::Joints;
 use crate::geometry::principal;
-use crate::joint::{Coordinate, Frames, Joint, Row, Spring, SpringKind, SpringState};
+use crate::joint::{Coordinate, Frames, Joint, JointKind, Row, Spring, SpringKind, SpringState};
 use crate::model::Model;
 use crate::state::State;
 use crate::twist::Twist;
@@ -24,14 +26,27 @@ use std::collections::BTreeMap;
 /// Greatest h²K over the inertia: explicit motion is stable below 4.
 const BOUND: f64 = 2.0;
 
+/// Greatest mass over the least of bodies on joints from which on these are light links under heavy loads.
+const LIGHT: f64 = 300.0;
+
+/// Whether the bodies on the joints that act, with frames, are light links under heavy loads.
+pub fn has_light_links(model: &Model, state: &State, frames: &[Option<Frames>]) -> bool {
+    let acting = model.joints.iter().zip(frames).filter(|(_, f)| f.is_some()).flat_map(|(joint, _)| joint.bodies);
+    let inverse = acting.filter(|b| state.moves(*b as usize)).map(|b| model.inv_mass[b as usize]);
+    let [least, most] = inverse.fold([f64::INFINITY, 0.0f64], |[a, b], x| [a.min(x), b.max(x)]);
+    most > LIGHT * least
+}
+
 /// The geometric stiffness of the joints and springs of a step, and what of it acts at the end of the step.
 #[derive(Default)]
 pub struct Stiffness {
-    /// That of the rotation of bodies, by the forces of the last step and by those of the step before it.
-    of_body: BTreeMap<u32, [Turning; 2]>,
+    /// The forces that turn bodies.
+    of_body: BTreeMap<u32, Pulled>,
     /// Transverse rows of links, with the stiffness, N/m, in place of the softness, and the joint or spring and the direction of each.
     transverse: Vec<(Row, [usize; 2])>,
     acting: Acting,
+    /// Whether links are by far lighter than what they carry.
+    pub is_light: bool,
 }
 
 /// What is added for a step.
@@ -55,10 +70,18 @@ pub struct Target<'a> {
 
 impl Stiffness {
     /// Add the stiffness of joint `i` with the frames `f`, which carries a force now and carried another before.
-    pub fn add(&mut self, (i, joint): (usize, &Joint), f: &Frames, [now, before]: [DVec3; 2]) {
+    /// `moves` tells which bodies move.
+    pub fn add(
+        &mut self,
+        (i, joint): (usize, &Joint),
+        f: &Frames,
+        [now, before]: [DVec3; 2],
+        moves: impl Fn(u32) -> bool,
+    ) {
         if now == DVec3::ZERO {
             return;
         }
+        self.pivot(joint, f, moves);
         // The force has turned with the bodies since: its magnitude is compared, and whether it has reversed.
         let share = if now.dot(before) < 0.0 { 0.0 } else { before.length() / now.length() };
         self.turn(joint.bodies, f, [now, now * share]);
@@ -83,10 +106,18 @@ impl Stiffness {
     /// Stiffness of the rotation of two bodies at whose arms forces act: those of the last step and of the step before it.
     fn turn(&mut self, bodies: [u32; 2], f: &Frames, forces_on_a: [DVec3; 2]) {
         for ((body, sign), arm) in bodies.into_iter().zip([1.0, -1.0]).zip(f.arms()) {
-            let of_body = self.of_body.entry(body).or_insert([Turning::NONE; 2]);
-            for (turning, force_on_a) in of_body.iter_mut().zip(forces_on_a) {
-                turning.add(arm, force_on_a * sign);
-            }
+            let pull = (arm, forces_on_a.map(|force| force * sign));
+            self.of_body.entry(body).or_default().pulls.push(pull);
+        }
+    }
+
+    /// Have a joint that holds a point of a body in place be what the body turns about.
+    fn pivot(&mut self, joint: &Joint, f: &Frames, moves: impl Fn(u32) -> bool) {
+        use JointKind::{Fixed, Revolute, Spherical, Universal};
+        let [a, b] = joint.bodies;
+        if matches!(joint.kind, Spherical | Revolute | Universal | Fixed) && moves(a) != moves(b) {
+            let k = if moves(a) { 0 } else { 1 };
+            self.of_body.entry(joint.bodies[k]).or_default().pivot = Some(f.arms()[k]);
         }
     }
 
@@ -106,11 +137,17 @@ impl Stiffness {
     /// Let what is too stiff for the step `h` act at its end: on the inertia of bodies and their velocities without joints, and as rows.
     /// Returns whether there is such.
     pub fn apply(&mut self, model: &Model, state: &State, h: f64, mut target: Target) -> bool {
-        for (body, [now, before]) in &self.of_body {
+        for (body, pulled) in &self.of_body {
             let Some(least) = least_moment(model, state, *body) else { continue };
-            let Some(added) = now.added(h, least) else { continue };
-            let before = before.added(h, least).unwrap_or(DMat3::ZERO);
-            let rise = positive(added - 2.0 * before - DMat3::IDENTITY * least);
+            let [now, before] = pulled.turning(DVec3::ZERO);
+            let own = target.masses.inertia(*body as usize);
+            if !now.is_stiff(h, least) || !self.is_light && pulled.is_resolved(model, h, own, *body) {
+                continue;
+            }
+            let own = DMat3::IDENTITY * least;
+            let Some(added) = now.added(h, own) else { continue };
+            let before = before.added(h, own).unwrap_or(DMat3::ZERO);
+            let rise = positive(added - 2.0 * before - own);
             target.stiffen(*body, added, rise);
             self.acting.inertia.insert(*body, added);
         }
@@ -121,17 +158,28 @@ impl Stiffness {
                 self.acting.mass.insert(*i, added);
             }
         }
-        !(self.acting.inertia.is_empty() && self.acting.mass.is_empty())
+        self.acts()
+    }
+
+    /// Whether something is too stiff for the step.
+    pub fn acts(&self) -> bool {
+        let has_inertia = self.acting.inertia.values().any(|added| *added != DMat3::ZERO);
+        has_inertia || self.acting.mass.values().any(|added| *added > 0.0)
     }
 
     /// Let more act where the forces `found`, by joints that have been solved with what acts, ask for more than twice the inertia. Returns
     /// whether there is such.
     pub fn follow(&mut self, found: &Stiffness, model: &Model, state: &State, h: f64, mut target: Target) -> bool {
         let mut has_more = false;
-        for (body, [now, _]) in &found.of_body {
+        for (body, pulled) in &found.of_body {
             let Some(least) = least_moment(model, state, *body) else { continue };
-            let Some(asked) = now.added(h, least) else { continue };
+            let [now, _] = pulled.turning(DVec3::ZERO);
             let acting = self.acting.inertia.entry(*body).or_insert(DMat3::ZERO);
+            let own = target.masses.inertia(*body as usize) - *acting;
+            if !now.is_stiff(h, least) || !self.is_light && pulled.is_resolved(model, h, own, *body) {
+                continue;
+            }
+            let Some(asked) = now.added(h, DMat3::IDENTITY * least) else { continue };
             if principal(asked - 2.0 * *acting).0.max_element() > 2.0 * least {
                 let more = positive(asked - *acting);
                 target.stiffen(*body, more, more);
@@ -150,6 +198,41 @@ impl Stiffness {
             }
         }
         has_more
+    }
+}
+
+/// What pulls at a body.
+#[derive(Default)]
+struct Pulled {
+    /// Arms of the joints and springs, m, and their forces in the last step and in that before it, N; world.
+    pulls: Vec<(DVec3, [DVec3; 2])>,
+    /// Arm of a point of it that is held in place, m.
+    pivot: Option<DVec3>,
+}
+
+impl Pulled {
+    /// The stiffness about a point at an arm from the centre of mass, by the forces of the last step and of that before it.
+    fn turning(&self, about: DVec3) -> [Turning; 2] {
+        let mut turning = [Turning::NONE; 2];
+        for (arm, forces) in &self.pulls {
+            for (turning, force) in turning.iter_mut().zip(forces) {
+                turning.add(*arm - about, *force);
+            }
+        }
+        turning
+    }
+
+    /// Whether the step `h`, s, resolves the stiffness as the body can turn: about its pivot, or its centre of mass with the inertia `own`, kg m².
+    fn is_resolved(&self, model: &Model, h: f64, own: DMat3, body: u32) -> bool {
+        let [now, _] = self.turning(self.pivot.unwrap_or(DVec3::ZERO));
+        now.added(h, own + self.about_pivot(model, body)).is_none()
+    }
+
+    /// What the inertia about the pivot has more than that about the centre of mass, kg m².
+    fn about_pivot(&self, model: &Model, body: u32) -> DMat3 {
+        let Some(r) = self.pivot else { return DMat3::ZERO };
+        let outer = DMat3::from_cols(r * r.x, r * r.y, r * r.z);
+        (DMat3::IDENTITY * r.length_squared() - outer) * (1.0 / model.inv_mass[body as usize])
     }
 }
 
@@ -189,15 +272,16 @@ impl Turning {
         self.0 += across * force.dot(arm);
     }
 
-    /// What the inertia of a body whose least moment is `least`, kg m², must have more for the step `h`, s; none if the step resolves the
-    /// stiffness.
-    fn added(&self, h: f64, least: f64) -> Option<DMat3> {
+    /// Whether the step `h`, s, may not resolve the stiffness on a body whose least moment is `least`, kg m².
+    fn is_stiff(&self, h: f64, least: f64) -> bool {
         // The greatest eigenvalue is at most the norm.
         let norm = self.0.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
-        if h * h * norm < BOUND * least {
-            return None;
-        }
-        let added = positive(self.0 * (h * h / BOUND) - DMat3::IDENTITY * least);
+        h * h * norm >= BOUND * least
+    }
+
+    /// What an inertia `own`, kg m², world, must have more for the step `h`, s; none if the step resolves the stiffness.
+    fn added(&self, h: f64, own: DMat3) -> Option<DMat3> {
+        let added = positive(self.0 * (h * h / BOUND) - own);
         (added != DMat3::ZERO).then_some(added)
     }
 }

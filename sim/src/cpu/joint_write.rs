@@ -10,7 +10,7 @@
 //! inout  free         [n_bodies]      explicit springs act on it, and geometric stiffness
 //! Source: paper §2, bilateral constraints; springs are implicit where they are too stiff for the step.
 
-use super::geometric_stiffness::{Stiffness, Target};
+use super::geometric_stiffness::{Stiffness, Target, has_light_links};
 use super::masses::Masses;
 use super::solve::joints::Joints;
 use super::solve::response::Response;
@@ -119,6 +119,7 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
     if is_stiff || state.steps == 0 {
         follow((model, state, &frames), &mut stiffness, start, Target { masses, free, joints });
     }
+    joints.is_stiff = stiffness.is_light || stiffness.acts();
 }
 
 /// Let the stiffness follow the forces of the step itself, as they are without contacts.
@@ -157,9 +158,10 @@ fn stiffness(
     forces: impl Fn(usize, &Frames) -> [DVec3; 2],
 ) -> Stiffness {
     let mut stiffness = Stiffness::default();
+    stiffness.is_light = has_light_links(model, state, frames);
     for (i, (joint, f)) in model.joints.iter().zip(frames).enumerate() {
         if let Some(f) = f {
-            stiffness.add((i, joint), f, forces(i, f));
+            stiffness.add((i, joint), f, forces(i, f), |b| state.moves(b as usize));
         }
     }
     for (i, spring) in model.springs.iter().enumerate().filter(|(_, spring)| spring_acts(state, spring)) {

@@ -5,10 +5,12 @@
 //! out    joint_row, joint_bias  [n_rows]     as of `joint_write`
 //! out    free                   [n_members]  m/s, rad/s: velocities with joints and without contacts
 //! inout  joints, springs        of the state
+//! The joints hold on the arcs of the step ([`super::arcs`]): as those are without contacts, for these, and at its end with them.
 //! Limits of joints that hold are rows of the joints, which [`Mechanism::settle`] finds by rounds: what a row would pull is let go, and what
 //! passes its limit is held.
 //! The stages are those of the CPU back end: `force`, `joint_write`, the elimination of `solve::joints`, `integrate`.
 
+use super::arcs::{Arcs, Linear};
 use super::integrate::moved_pose;
 use super::masses::Masses;
 use super::solve::bodies::{Falling, Recovery};
@@ -46,6 +48,7 @@ pub struct Mechanism {
     response: Response,
     /// Displacements over the step (the same).
     moved: Response,
+    arcs: Arcs,
 }
 
 /// What the contacts do to a body.
@@ -97,19 +100,35 @@ impl Mechanism {
         let is_at = |k: usize| limits.rows[k].psi + model.step * speed(k) <= AT;
         self.held = (0..limits.rows.len()).map(is_at).collect();
         (self.first_limit, self.rounds) = (self.joints.rows.len(), 0);
-        self.hold(model)
+        let is_new = self.hold(model);
+        self.foresee(model, state);
+        is_new
+    }
+
+    /// Have the arcs of the step without contacts in the rows, and in Ψ of the limits.
+    fn foresee(&mut self, model: &Model, state: &State) {
+        let Mechanism { masses, free, joint_start: start, joints, limits, response, arcs, .. } = self;
+        arcs.foresee((model, state), Linear { start, joints, masses }, free, (response, limits));
+        if !limits.rows.is_empty() {
+            self.bias_limits(model);
+            self.respond(&[]);
+        }
+    }
+
+    /// The bias of the limits that hold.
+    fn bias_limits(&mut self, model: &Model) {
+        let recovery = Recovery::of(model);
+        self.joints.bias.truncate(self.first_limit);
+        let held = self.limits.rows.iter().zip(&self.held).filter(|(_, is_held)| **is_held);
+        self.joints.bias.extend(held.map(|(row, _)| recovery.limit_rate(row.psi)));
     }
 
     /// Have the limits that hold as rows of the joints, and factorise these. Returns whether the structure of the factor is another.
     fn hold(&mut self, model: &Model) -> bool {
+        self.bias_limits(model);
         let Mechanism { masses, joints, limits, held, first_limit, reduced, .. } = self;
         joints.rows.truncate(*first_limit);
-        joints.bias.truncate(*first_limit);
-        let recovery = Recovery::of(model);
-        for (row, _) in limits.rows.iter().zip(held).filter(|(_, is_held)| **is_held) {
-            joints.rows.push(*row);
-            joints.bias.push(recovery.limit_rate(row.psi));
-        }
+        joints.rows.extend(limits.rows.iter().zip(held).filter(|(_, is_held)| **is_held).map(|(row, _)| *row));
         joints.prepare(masses);
         joints.reduce(masses, reduced);
         let is_new = joints.take_is_new();
@@ -205,6 +224,8 @@ impl Mechanism {
         outcome: &mut StepOutcome,
     ) {
         self.respond(effects);
+        let Mechanism { masses, joint_start: start, joints, response, arcs, .. } = self;
+        arcs.hold((model, &*state), Linear { start, joints, masses }, response);
         if share > 0.0 {
             self.displace(effects);
         }

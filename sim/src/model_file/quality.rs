@@ -6,6 +6,7 @@
 use super::types::ModelFile;
 use crate::heap::carries_loads;
 use crate::inertia::gyration;
+use crate::joint::{Coordinate, Joint, Motor};
 use crate::model::Model;
 use crate::plan::{Narrow, coheres, has_joints};
 use crate::settings::{FrictionLaw, Method, Quality, SolverSettings};
@@ -133,6 +134,8 @@ struct Scale {
     gravity: f64,
     /// Greatest speed at the start, m/s.
     speed: f64,
+    /// Greatest rate at which what is on joints turns at the start, or is driven, rad/s.
+    turning: f64,
     /// Number of shapes that move.
     n_shapes: usize,
 }
@@ -156,6 +159,33 @@ fn way(quality: Quality) -> f64 {
     }
 }
 
+/// Angle by which what is on joints may turn in a step, rad: joints hold on the arcs of the step, and links that turn far faster than what drives
+/// them still do.
+fn turn(quality: Quality) -> f64 {
+    match quality {
+        Quality::Draft => 0.5,
+        Quality::Normal => 0.25,
+        Quality::Tight => 0.125,
+    }
+}
+
+/// The least share of a step to which turning makes it shorter: motors that are far too fast by mistake are to be seen within a bearable time.
+const SHORTEST: f64 = 1.0 / 16.0;
+
+/// Greatest rate at which bodies on joints turn at the start, or motors turn them, rad/s.
+fn turning(model: &Model, state: &State) -> f64 {
+    let of = |joint: &Joint| {
+        let is_angle = joint.kind.coordinate() == Some(Coordinate::Angle);
+        let driven = match joint.motor.as_ref().filter(|_| is_angle) {
+            Some(Motor::Speed(speed)) => speed.greatest(),
+            Some(Motor::Position(goal)) => goal.steepest(),
+            _ => 0.0,
+        };
+        joint.bodies.iter().map(|b| state.angular_velocity[*b as usize].length()).fold(driven, f64::max)
+    };
+    model.joints.iter().map(of).fold(0.0, f64::max)
+}
+
 impl Scale {
     fn of(model: &Model, state: &State) -> Scale {
         let mut awake = state.clone();
@@ -177,6 +207,7 @@ impl Scale {
             radius: if radius.is_finite() && radius > 0.0 { radius } else { UNKNOWN },
             gravity: if gravity > 0.0 { gravity } else { 9.81 },
             speed,
+            turning: turning(model, state),
             n_shapes: (0..model.n_shapes()).filter(moves).count(),
         }
     }
@@ -185,11 +216,13 @@ impl Scale {
 impl Quality {
     /// The step, s, and the settings of the solver that the level chooses for a model and its initial state; for a `given` step, s, if there is one.
     pub fn settings(self, model: &Model, state: &State, given: Option<f64>) -> (f64, SolverSettings) {
-        let Scale { kind, radius, gravity, speed, n_shapes } = Scale::of(model, state);
+        let Scale { kind, radius, gravity, speed, turning, n_shapes } = Scale::of(model, state);
         let starts = kind != Kind::Grains || n_shapes <= FEW_GRAINS;
         let choice = Choice::of(self, kind);
         let by_speed = if speed > 0.0 { way(self) * radius / speed } else { f64::INFINITY };
-        let chosen = (choice.step * (radius / gravity).sqrt()).min(choice.longest).min(by_speed);
+        let by_size = (choice.step * (radius / gravity).sqrt()).min(choice.longest);
+        let by_turning = if turning > 0.0 { (turn(self) / turning).max(SHORTEST * by_size) } else { f64::INFINITY };
+        let chosen = by_size.min(by_speed).min(by_turning);
         let step = given.unwrap_or(chosen);
         let open = SolverSettings::default();
         let fall = gravity * step * step;

@@ -30,6 +30,8 @@ pub struct Joints {
     pub rows: Vec<Row>,
     /// `Ψ/h + ∂Ψ/∂t` and the terms of springs, m/s or rad/s (n_rows).
     pub bias: Vec<f64>,
+    /// Whether geometric stiffness acts on their bodies in the step, or these are light links under heavy loads.
+    pub is_stiff: bool,
     /// Whether a body has rows (n_bodies).
     is_held: Vec<bool>,
     pattern: Pattern,
@@ -177,6 +179,11 @@ impl Joints {
         !self.rows.is_empty() && self.is_held[body as usize]
     }
 
+    /// The bodies with rows that move, ascending.
+    pub fn held(&self) -> &[u32] {
+        &self.pattern.held
+    }
+
     /// Discard the sparsity pattern: other bodies move.
     pub fn invalidate(&mut self) {
         self.pattern.bodies.clear();
@@ -229,6 +236,12 @@ impl Joints {
     pub fn residual_at_rest(&self, response: &Response) -> f64 {
         let left = |(k, row): (usize, &Row)| row.speed_in(&response.twist) + self.softness[k] * response.lambda[k];
         self.rows.iter().enumerate().map(left).fold(0.0, |max, r| r.abs().max(max))
+    }
+
+    /// The rate by which a row gives way, Cλ, m/s or rad/s.
+    #[inline]
+    pub fn given(&self, row: usize, response: &Response) -> f64 {
+        self.softness[row] * response.lambda[row]
     }
 
     /// λᵀCλ of a difference of multipliers.

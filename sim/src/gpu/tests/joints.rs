@@ -80,14 +80,14 @@ fn mechanism(n: usize) -> String {
     HEAD.to_string() + "pass_through: [[g, g]]\n" + &bodies + &joints + &springs
 }
 
-/// Without contacts all of it is in double precision.
+/// Without contacts all of it is in double precision. Joints hold at the end of a step to a millionth of its way, which either comes to in its own way.
 #[test]
 fn mechanisms_without_contacts_are_those_of_the_cpu() {
     for n in [1, 2, 4] {
         let (model, state) = resolved(mechanism(n));
         let Some(pair) = both(&model, &state, 100) else { return };
         let off = apart(&pair[0].state, &pair[1].state);
-        assert!(off < 1e-9 && reactions(&pair) < 1e-6, "{n}: {off} m, reactions to {}", reactions(&pair));
+        assert!(off < 2e-8 && reactions(&pair) < 1e-6, "{n}: {off} m, reactions to {}", reactions(&pair));
         let [own, cpu] = pair.each_ref().map(|s| &s.state);
         assert!(
             own.springs
