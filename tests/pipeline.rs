@@ -159,9 +159,9 @@ probes: {{bodies: [hinged, extra], joints: [hinge]}}
     )
     .unwrap();
     let two = work.path().join("two");
-    // Its motors begin again at time 0, where what they drive is not, which tears at its joints: that is said.
-    let said = scree(&["simulate", model.to_str().unwrap(), "-o", two.to_str().unwrap()]).fails(5);
-    assert!(said.contains("warning: the motor of joint `slide") && said.contains("joint `swing_joint`"), "{said}");
+    // Its motors begin again at time 0, where what they drive is not: that is said, and its joints hold.
+    let said = scree(&["simulate", model.to_str().unwrap(), "-o", two.to_str().unwrap()]).fails(0);
+    assert!(said.contains("warning: the motor of joint `slide"), "{said}");
     let last = |run: &std::path::Path, line: usize, name: &str| {
         let text = std::fs::read_to_string(run.join("probes.csv")).unwrap();
         let column = text.lines().next().unwrap().split(',').position(|h| h.starts_with(name)).unwrap();
