@@ -1,5 +1,5 @@
-// APGD: whether an iterate is the best so far, and whether it is within the tolerance.
-// in    parts    [n_groups]  residual terms squared, m²/s²
+// APGD: whether an iterate is the best so far, and whether it is within the tolerance, or within what rounding leaves.
+// in    parts    [n_groups]  residual terms squared, and what of them is rounding, m²/s²
 // inout scalars  [1]
 // inout work     [5]         workgroups of an iteration, of a check and of what is kept
 // in    count    [1]         n_contacts
@@ -30,14 +30,16 @@ fn main(@builtin(local_invocation_index) thread: u32) {
         return;
     }
     var s = scalars[0];
-    let residual = sqrt(sums.x) / f32(max(blocks_of(count[0]), 1u));
+    let n = f32(max(blocks_of(count[0]), 1u));
+    let residual = sqrt(sums.x) / n;
+    let tolerance = bitcast<f32>(params[1]);
     s.is_current = select(0u, 1u, residual <= s.best);
     if s.is_current == 1u {
         s.best = residual;
         work[3] = dispatch_of(count[0]);
         work[4] = dispatch_of(params[0]);
     }
-    if residual <= bitcast<f32>(params[1]) {
+    if residual <= select(0.0, max(tolerance, sqrt(sums.y) / n), tolerance > 0.0) {
         s.goes_on = 0u;
         work[0] = none;
         work[1] = none;

@@ -4,7 +4,7 @@
 // in   x        [n_contacts or twice as many]  N s, world: the half that has it
 // in   next     [n_contacts]  N s, world: x, if the last trial was taken
 // in   scalars  [1]
-// out  parts    [n_groups]    m²/s²
+// out  parts    [n_groups]    m²/s², and the same of what is rounding
 // in   count    [1]           n_contacts
 // in    roll_x, roll_next  N m s, world: the same of rolling and spinning impulses
 // in    roll_row [n_contacts]
@@ -37,6 +37,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let gradient = gradient_of(row, motion[row.bodies.x], motion[row.bodies.y]);
         let term = residual_term(x, gradient, row);
         own.x = dot(term, term);
+        own.y = rounding_of(row, motion[row.bodies.x], motion[row.bodies.y]);
         if ROLLS {
             let own_roll = select(roll_x[k + scalars[0].half * (arrayLength(&roll_x) / 2u)].xyz, roll_next[k].xyz, scalars[0].accepted != 0u);
             let turning = roll_gradient(motion[row.bodies.x], motion[row.bodies.y]);

@@ -37,6 +37,9 @@ const PART: u32 = 50;
 const PART_BEYOND: u32 = 6;
 const MOST_BEYOND: u32 = 200;
 
+/// The most iterations by default, of a few contacts: in single precision more bring nothing. Twin: scalars.wgsl.
+const MOST_OF_DEFAULT: u32 = 2000;
+
 /// Places of the step length, the iterations so far, whether the solve goes on, and the residual in the scalars.
 const STEP: usize = 2;
 const TRIALS: usize = 5;
@@ -278,11 +281,13 @@ impl ContactSolve {
     ) -> Result<Option<Rounds>, GpuError> {
         let n = if self.asks(is_landing) { self.problem.n_contacts.read(device)? } else { 1 };
         let blocks = if self.problem.layout.rolls { 2 * n } else { n };
-        let iterations = if n == 0 { 0 } else { self.settings.max_iterations(blocks) };
+        let most_of_default = if self.settings.iterations.is_none() { MOST_OF_DEFAULT } else { u32::MAX };
+        let iterations = if n == 0 { 0 } else { self.settings.max_iterations(blocks).min(most_of_default) };
         let most = self.passes(iterations, is_landing);
         let Some(exact) = self.rounds(is_landing) else {
             let goes_beyond = matches!(self.columns(is_landing), Columns::GaussSeidel(own) if own.goes_beyond());
-            let all = if goes_beyond { self.passes(SolverSettings::BEYOND * iterations, is_landing) } else { most };
+            // Beyond those of the settings a pass counts as one: in impacts four sweeps of a tile may do no more than one of all contacts.
+            let all = if goes_beyond { SolverSettings::BEYOND * iterations } else { most };
             self.submit_iterations(device, (solve, mask), (all, most), times)?;
             return Ok(None);
         };

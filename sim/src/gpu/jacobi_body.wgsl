@@ -9,7 +9,7 @@
 // in    mass        [n_bodies]      1/kg, and principal, 1/(kg m²)
 // in    orientation [n_bodies]      at the step's start
 // in    roll        [n_contacts]    N m s, world: rolling and spinning impulses on B
-// in    parts       [n_groups]      residual terms of the last γ squared, m²/s²; |γ⁺ − γ|²/η and |γ|²/η, J
+// in    parts       [n_groups]      residual terms of the last γ squared, m²/s²; |γ⁺ − γ|²/η and |γ|²/η, J; what of the terms is rounding, m²/s²
 // inout scalars     [1]
 // inout work        [5]             workgroups of an iteration over contacts and over bodies
 // in    count       [1]             n_contacts
@@ -61,7 +61,8 @@ fn decide(thread: u32) {
         s.last_step2 = sums.y;
     }
     let tolerance = bitcast<f32>(params[0]);
-    let has_converged = tolerance > 0.0 && sqrt(sums.x) / f32(blocks_of(count[0])) <= tolerance;
+    let n = f32(blocks_of(count[0]));
+    let has_converged = tolerance > 0.0 && sqrt(sums.x) / n <= max(tolerance, sqrt(sums.w) / n);
     if has_converged || s.trials >= s.limit {
         s.goes_on = 0u;
         work[0] = vec4(0u, 0u, 1u, 0u);

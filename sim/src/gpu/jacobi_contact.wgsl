@@ -3,7 +3,7 @@
 // in    motion   [n_bodies]    m/s, rad/s
 // inout gamma    [n_contacts]  N s, world; the fourth number as in `spin.wgsl`
 // in    scalars  [1]
-// out   parts    [n_groups]    residual terms of γ squared, |γ⁺ − γ|²/η, |γ|²/η, summed over a workgroup
+// out   parts    [n_groups]    residual terms of γ squared, |γ⁺ − γ|²/η, |γ|²/η, and what of the terms is rounding, summed over a workgroup
 // in    count    [1]           n_contacts
 // inout roll     [n_contacts]  N m s, world: rolling and spinning impulses on B
 // in    roll_row [n_contacts]
@@ -66,7 +66,8 @@ fn step_of(k: u32) -> vec4<f32> {
     gamma[k] = with_arm(row, next);
     leave_spin(k, row, next);
     let term = residual_term(x, gradient, row);
-    var own = vec4(dot(term, term), dot(next - x, next - x) / row.eta, dot(x, x) / row.eta, 0.0);
+    let rounding = rounding_of(row, motion[row.bodies.x], motion[row.bodies.y]);
+    var own = vec4(dot(term, term), dot(next - x, next - x) / row.eta, dot(x, x) / row.eta, rounding);
     if ROLLS {
         own += roll_step(k, row, x, lambda);
     }

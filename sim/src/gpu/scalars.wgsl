@@ -24,10 +24,11 @@ struct Scalars {
     residual: f32,
 }
 
-// Maximum number of iterations of a problem with `n` blocks: that which is given, or its default where 0 is.
-// Twin: settings.rs
+// Maximum number of iterations of a problem with `n` blocks: that which is given, or its default where 0 is, of which single precision makes use of
+// no more than 2,000.
+// Twin: settings.rs, contact_solve.rs
 fn max_iterations(given: u32, n: u32) -> u32 {
-    return select(given, max(50u, 50000u / max(n, 1u)), given == 0u);
+    return select(given, clamp(50000u / max(n, 1u), 50u, 2000u), given == 0u);
 }
 
 // Number of blocks of three multipliers of so many contacts.
