@@ -1,6 +1,7 @@
 //! What joints alone move keeps its energy and its joints, at the steps that a model has by default and by its quality.
 
 use crate::analytic::simulation;
+use crate::cli::{scratch, scree};
 use sim::Simulation;
 use std::fmt::Write;
 
@@ -257,5 +258,22 @@ fn a_bridge_without_slack_gains_nothing() {
         sim.step();
         let energy = sim.state.kinetic_energy(&sim.model) + sim.state.potential_energy(&sim.model);
         assert!(energy < start + 1.0, "{} s: {energy} J of {start} J", sim.state.time);
+    }
+}
+
+#[test]
+fn what_a_joint_does_not_have_is_told() {
+    let work = scratch();
+    let path = work.path().join("m.yaml");
+    let known = "expected one of l0, l1, world\n";
+    for (from, to, says) in [
+        ("b: l1", "b: l7", known),
+        ("b: l0", "b: l0, motor: {force: 2}", "is for what slides"),
+        ("kind: revolute, a: world", "kind: prismatic, motor: {torque: 2}, a: world", "is for what turns"),
+    ] {
+        let model = format!("duration: 1\nframe_rate: 10\n{}", chain(2, "", "")).replacen(from, to, 1);
+        std::fs::write(&path, model).unwrap();
+        let said = scree(&["check", path.to_str().unwrap()]).fails(3);
+        assert!(said.contains(says), "{said}");
     }
 }

@@ -30,7 +30,9 @@ impl Builder<'_> {
             return Ok(id);
         }
         let mut known: Vec<&str> = self.model.body_names.keys().map(String::as_str).collect();
-        known.push("world");
+        if !self.model.body_names.contains_key("world") {
+            known.push("world");
+        }
         Err(self.doc.unknown(key, "body", name, &known))
     }
 
@@ -194,6 +196,12 @@ impl Builder<'_> {
             (None, Some(f), None, None) => Ok(Motor::Position(self.function(&format!("{key}.motion"), f)?)),
             (None, None, Some(f), None) if rotates => Ok(Motor::Effort(self.function(&format!("{key}.torque"), f)?)),
             (None, None, None, Some(f)) if !rotates => Ok(Motor::Effort(self.function(&format!("{key}.force"), f)?)),
+            (None, None, Some(_), None) => {
+                Err(doc.fault(&format!("{key}.torque"), "is for what turns").hint("a motor that slides has a `force`"))
+            }
+            (None, None, None, Some(_)) => {
+                Err(doc.fault(&format!("{key}.force"), "is for what slides").hint("a motor that turns has a `torque`"))
+            }
             _ => {
                 let effort = if rotates { "torque" } else { "force" };
                 Err(doc.fault(key, format!("needs exactly one of `speed`, `motion` and `{effort}`")))
