@@ -139,13 +139,10 @@ impl Stiffness {
     pub fn apply(&mut self, model: &Model, state: &State, h: f64, mut target: Target) -> bool {
         for (body, pulled) in &self.of_body {
             let Some(least) = least_moment(model, state, *body) else { continue };
-            let [now, before] = pulled.turning(DVec3::ZERO);
             let own = target.masses.inertia(*body as usize);
-            if !now.is_stiff(h, least) || !self.is_light && pulled.is_resolved(model, h, own, *body) {
-                continue;
-            }
+            let Some(added) = pulled.asked(self.is_light, model, h, (*body, own, least)) else { continue };
             let own = DMat3::IDENTITY * least;
-            let Some(added) = now.added(h, own) else { continue };
+            let [_, before] = pulled.turning(DVec3::ZERO);
             let before = before.added(h, own).unwrap_or(DMat3::ZERO);
             let rise = positive(added - 2.0 * before - own);
             target.stiffen(*body, added, rise);
@@ -163,8 +160,7 @@ impl Stiffness {
 
     /// Whether something is too stiff for the step.
     pub fn acts(&self) -> bool {
-        let has_inertia = self.acting.inertia.values().any(|added| *added != DMat3::ZERO);
-        has_inertia || self.acting.mass.values().any(|added| *added > 0.0)
+        !(self.acting.inertia.is_empty() && self.acting.mass.is_empty())
     }
 
     /// Let more act where the forces `found`, by joints that have been solved with what acts, ask for more than twice the inertia. Returns
@@ -173,27 +169,23 @@ impl Stiffness {
         let mut has_more = false;
         for (body, pulled) in &found.of_body {
             let Some(least) = least_moment(model, state, *body) else { continue };
-            let [now, _] = pulled.turning(DVec3::ZERO);
-            let acting = self.acting.inertia.entry(*body).or_insert(DMat3::ZERO);
-            let own = target.masses.inertia(*body as usize) - *acting;
-            if !now.is_stiff(h, least) || !self.is_light && pulled.is_resolved(model, h, own, *body) {
-                continue;
-            }
-            let Some(asked) = now.added(h, DMat3::IDENTITY * least) else { continue };
-            if principal(asked - 2.0 * *acting).0.max_element() > 2.0 * least {
-                let more = positive(asked - *acting);
+            let acting = self.acting.inertia.get(body).copied().unwrap_or(DMat3::ZERO);
+            let own = target.masses.inertia(*body as usize) - acting;
+            let Some(asked) = pulled.asked(self.is_light, model, h, (*body, own, least)) else { continue };
+            if principal(asked - 2.0 * acting).0.max_element() > 2.0 * least {
+                let more = positive(asked - acting);
                 target.stiffen(*body, more, more);
-                *acting += more;
+                self.acting.inertia.insert(*body, acting + more);
                 has_more = true;
             }
         }
         for (row, i) in &found.transverse {
-            let acting = self.acting.mass.entry(*i).or_default();
+            let acting = self.acting.mass.get(i).copied().unwrap_or(0.0);
             let own = 1.0 / target.masses.response(row);
             let asked = h * h * row.softness / BOUND - own;
-            if asked > 2.0 * (*acting + own) {
-                target.resist(row, asked - *acting);
-                *acting = asked;
+            if asked > 2.0 * (acting + own) {
+                target.resist(row, asked - acting);
+                self.acting.mass.insert(*i, asked);
                 has_more = true;
             }
         }
@@ -220,6 +212,16 @@ impl Pulled {
             }
         }
         turning
+    }
+
+    /// What a body with the inertia `own` and the least moment `least`, kg m², must have more of it for the step `h`, s, by the forces of the last step;
+    /// none if the step resolves these, but for light links as the body can turn.
+    fn asked(&self, is_light: bool, model: &Model, h: f64, (body, own, least): (u32, DMat3, f64)) -> Option<DMat3> {
+        let [now, _] = self.turning(DVec3::ZERO);
+        if !now.is_stiff(h, least) || !is_light && self.is_resolved(model, h, own, body) {
+            return None;
+        }
+        now.added(h, DMat3::IDENTITY * least)
     }
 
     /// Whether the step `h`, s, resolves the stiffness as the body can turn: about its pivot, or its centre of mass with the inertia `own`, kg m².

@@ -20,7 +20,7 @@ fn main() {
     let is_enough = bitcast<f32>(fastest[0]) <= bitcast<f32>(params[0]) && s.residual <= bitcast<f32>(params[1]);
     fastest[0] = 0u;
     work[1] = vec4(0u, 0u, 1u, 0u);
-    // A pass may be the last of the four sweeps that have to do for two: then there are as many passes as else iterations, and the host makes no more.
+    // Beyond those of the settings a pass counts as one iteration, of which the host submits no more.
     if is_enough || s.trials >= params[2] * s.limit * (1u + params[3]) {
         scalars[0].goes_on = 0u;
         work[0] = vec4(0u, 0u, 1u, 0u);

@@ -60,8 +60,6 @@ pub struct ContactSolve {
     fall: f64,
     /// Bytes of a contact and sweep from memory.
     pub bytes: f64,
-    /// Sweeps of what is repeated.
-    sweeps: u32,
     /// Iterations of the last step, or passes, if there has been one.
     pub n_last: Option<u32>,
 }
@@ -195,7 +193,7 @@ impl ContactSolve {
         let sweeps = if is_swept { gauss_seidel::SWEEPS[problem.layout.narrow as usize] } else { 1 };
         let bytes = bytes / f64::from(sweeps);
         let (settings, fall) = (settings.clone(), model.gravity.length() * model.step);
-        Ok(ContactSolve { problem, method, landing, exact, settings, fall, bytes, sweeps, n_last: None })
+        Ok(ContactSolve { problem, method, landing, exact, settings, fall, bytes, n_last: None })
     }
 
     /// Whether the solve has not come to its end.
@@ -551,6 +549,6 @@ impl ContactSolve {
         self.record_end(device, &mut commands, false);
         commands.submit(device)?;
         let dispatches = recorded.lists(0, n, (n, u32::MAX)).map(Commands::n_dispatches).sum();
-        Ok((seconds, dispatches, n * self.sweeps))
+        Ok((seconds, dispatches, self.made(n, false).1))
     }
 }

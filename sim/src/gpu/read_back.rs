@@ -46,7 +46,7 @@ impl Gpu {
     /// # Errors
     /// [`Fault::Gpu`].
     pub fn fetch_bodies(&mut self, state: &mut State) -> Result<(), Fault> {
-        if !std::mem::take(&mut self.has_old_bodies) {
+        if !self.has_old_bodies {
             return Ok(());
         }
         let fetch = |state: &mut State| self.collision.bodies.fetch(&self.device, state);
@@ -54,6 +54,7 @@ impl Gpu {
             Some(mechanism) => mechanism.keep(state, fetch)?,
             None => fetch(state)?,
         }
+        self.has_old_bodies = false;
         Ok(())
     }
 
