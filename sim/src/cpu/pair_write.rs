@@ -131,8 +131,8 @@ struct Found<'a> {
     /// Pairs within the tile, and pairs across tiles.
     own: Candidates,
     crossing: Vec<[u32; 3]>,
-    /// The boxes of the members of a bin, and of others before them.
-    side_by_side: [FourBoxes; MEMBERS / 4],
+    /// The members of the bin in runs, and after them what is left of bins before it.
+    side_by_side: Vec<SideBySide>,
 }
 
 impl Found<'_> {
@@ -148,8 +148,8 @@ impl Found<'_> {
     }
 }
 
-/// Maximum number of shapes of a bin that are compared four at a time.
-const MEMBERS: usize = 64;
+/// Number of shapes of a bin in a run: one bit each.
+const RUN: usize = 64;
 
 /// The input of the stage.
 struct Input<'a> {
@@ -193,7 +193,7 @@ pub fn run(model: &Model, state: &State, bins: &Bins, pairs: &mut Pairs) {
     const CAPACITY: usize = 1 << 14;
     let found = || {
         let own = Candidates { spheres: Vec::with_capacity(CAPACITY), others: vec![] };
-        Found { model, tile: &tile, here: NOWHERE, own, crossing: vec![], side_by_side: Default::default() }
+        Found { model, tile: &tile, here: NOWHERE, own, crossing: vec![], side_by_side: vec![] }
     };
 
     /// Active bins of a brick that one task looks through.
@@ -355,36 +355,49 @@ fn in_bin(input: &Input, [first, end]: [u32; 2], found: &mut Found) {
             found.push(s, t, 0);
         }
     };
-    if members.len() > MEMBERS {
+    let n_runs = members.len().div_ceil(RUN);
+    found.side_by_side.resize(n_runs.max(found.side_by_side.len()), SideBySide::default());
+    for (run, members) in found.side_by_side.iter_mut().zip(members.chunks(RUN)) {
+        run.having = [0; 8];
         for (i, &s) in members.iter().enumerate() {
-            for &t in &members[i + 1..] {
-                if begins(s) | begins(t) == 7 && boxes(s).overlaps(boxes(t)) {
-                    find(found, s, t);
+            run.boxes[i / 4].put(i % 4, boxes(s));
+            let own = begins(s);
+            run.bits[i] = own as u8;
+            run.having.iter_mut().enumerate().for_each(|(k, having)| *having |= ((own & k == k) as u64) << i);
+        }
+    }
+    for (i, &s) in members.iter().enumerate() {
+        let (own, lacks) = (boxes(s), 7 & !found.side_by_side[i / RUN].bits[i % RUN] as usize);
+        for run in i / RUN..n_runs {
+            // In its own run those after it.
+            let after = if run == i / RUN { (u64::MAX << (i % RUN)) & !(1 << (i % RUN)) } else { u64::MAX };
+            let mut claimed = found.side_by_side[run].having[lacks] & after;
+            while claimed != 0 {
+                let block = claimed.trailing_zeros() as usize / 4;
+                let mut near = found.side_by_side[run].boxes[block].overlap(own) & (claimed >> (4 * block)) as u32;
+                while near != 0 {
+                    find(found, s, members[RUN * run + 4 * block + near.trailing_zeros() as usize]);
+                    near &= near - 1;
                 }
+                claimed &= !(15 << (4 * block));
             }
         }
-        return;
     }
-    let mut bits = [0u8; MEMBERS];
-    // Mask of the members that have all bits of `k`.
-    let mut having = [0u64; 8];
-    for (i, &s) in members.iter().enumerate() {
-        found.side_by_side[i / 4].put(i % 4, boxes(s));
-        let own = begins(s);
-        bits[i] = own as u8;
-        having.iter_mut().enumerate().for_each(|(k, having)| *having |= ((own & k == k) as u64) << i);
-    }
-    for (i, &s) in members.iter().enumerate() {
-        let (own, mut claimed) = (boxes(s), having[7 & !bits[i] as usize] & (u64::MAX << i) & !(1 << i));
-        while claimed != 0 {
-            let block = claimed.trailing_zeros() as usize / 4;
-            let mut near = found.side_by_side[block].overlap(own) & (claimed >> (4 * block)) as u32;
-            while near != 0 {
-                find(found, s, members[4 * block + near.trailing_zeros() as usize]);
-                near &= near - 1;
-            }
-            claimed &= !(15 << (4 * block));
-        }
+}
+
+/// The members of a bin, or a run of them: their boxes side by side.
+#[derive(Clone, Copy)]
+struct SideBySide {
+    boxes: [FourBoxes; RUN / 4],
+    /// Along which axes the box of each begins in the bin, a bit per axis.
+    bits: [u8; RUN],
+    /// Mask of the members that have all bits of k.
+    having: [u64; 8],
+}
+
+impl Default for SideBySide {
+    fn default() -> SideBySide {
+        SideBySide { boxes: Default::default(), bits: [0; RUN], having: [0; 8] }
     }
 }
 
