@@ -91,7 +91,7 @@ impl FramesJob {
                 Origin::of_model(&path, &home, fresh)?
             }
             (None, None) => {
-                let message = "has neither `data` nor `model`: there is nothing to render";
+                let message = "neither `data` nor `model` is given: there is nothing to render";
                 return Err(binding.doc.fault("data", message).into());
             }
         };

@@ -75,13 +75,15 @@ fn deserialize<'a, T: DeserializeOwned>(
 
 impl Document {
     /// A fault at the key of a dotted path (`bodies.2.mass`), or at the longest part of the path that the file has; of a replaced
-    /// value, where that is written. That a value within the key's was replaced is said.
+    /// value, where that is written. A message that begins with its verb (`is 0, expected …`) is given the key as its subject. That a value
+    /// within the key's was replaced is said.
     pub fn fault(&self, key: &str, message: impl Into<String>) -> Fault {
+        let message = with_subject(key, message.into());
         if let Some(written) = self.replacement(key) {
             return self.fault_in(written, message);
         }
         let (line, column) = self.place(key);
-        let mut message = message.into();
+        let mut message = message;
         if let Some((_, with)) = self.replaced.iter().rev().find(|(path, _)| path.starts_with(&format!("{key}."))) {
             let with = self.fault_in(with, "");
             let place = if with.line == 0 { String::new() } else { format!(":{}:{}", with.line, with.column) };
@@ -151,6 +153,30 @@ impl Document {
     }
 }
 
+/// A message about the value of a key, with the key before it if it does not say what it speaks of.
+fn with_subject(key: &str, message: String) -> String {
+    const VERBS: [&str; 16] = [
+        "acts", "belong", "belongs", "bound", "cannot", "connects", "has", "is", "makes", "must", "names", "needs",
+        "run", "runs", "stands", "takes",
+    ];
+    const OTHERS: [&str; 2] = ["expected", "invalid"];
+    let is_index = |part: &str| part.bytes().all(|c| c.is_ascii_digit());
+    let (first, _) = message.split_once(' ').unwrap_or_default();
+    let joint = match first {
+        verb if VERBS.contains(&verb) => " ",
+        other if OTHERS.contains(&other) => ": ",
+        _ => return message,
+    };
+    let mut parts = key.rsplit('.');
+    let (last, around) = (parts.next().unwrap_or_default(), parts.find(|part| !is_index(part)));
+    let subject = match (is_index(last).then(|| last.parse::<usize>().ok()).flatten(), around) {
+        _ if last.is_empty() => return message,
+        (Some(index), Some(list)) => format!("item {} of `{list}`", index + 1),
+        _ => format!("`{last}`"),
+    };
+    format!("{subject}{joint}{message}")
+}
+
 /// The fault of a tab in the indentation of a line that cannot be read, or of the line before it.
 fn tab(doc: &Document, error: &serde_yaml::Error) -> Option<Fault> {
     let message = error.to_string();
@@ -170,9 +196,29 @@ fn tab(doc: &Document, error: &serde_yaml::Error) -> Option<Fault> {
     Some(fault.hint("use spaces, the same number for all keys of one map"))
 }
 
+/// The fault of a text that ends before its last line, as the reader sees it: where a second one begins.
+fn second(doc: &Document, error: &serde_yaml::Error) -> Option<Fault> {
+    if !error.to_string().contains("more than one document") {
+        return None;
+    }
+    let indentation = |line: &str| line.len() - line.trim_start().len();
+    let is_content =
+        |line: &str| !matches!(line.trim_start().chars().next(), None | Some('#' | '%')) && line.trim_end() != "---";
+    let mut lines = doc.text.lines().enumerate().skip_while(|(_, line)| !is_content(line));
+    let (_, first) = lines.next()?;
+    let (at, line) = lines.find(|(_, line)| {
+        let is_mark = line.starts_with("---") || line.starts_with("...");
+        is_mark || is_content(line) && indentation(line) < indentation(first)
+    })?;
+    let is_mark = line.starts_with("---") || line.starts_with("...");
+    let message = "a second document begins here: expected one in a file";
+    let fault = Fault::at(FaultKind::Input, &doc.path, &doc.text, at + 1, 1 + indentation(line), message);
+    Some(if is_mark { fault } else { fault.hint("give all keys of one map the same indentation: the first has more") })
+}
+
 /// A structural error as a fault: the place from the reader where it knows it, else from the path; the nearest key as a hint.
 fn explain(doc: &Document, path: &str, error: &serde_yaml::Error) -> Fault {
-    if let Some(fault) = tab(doc, error) {
+    if let Some(fault) = tab(doc, error).or_else(|| second(doc, error)) {
         return fault;
     }
     let full = error.to_string();
@@ -210,6 +256,7 @@ fn structural_fault(
         _ => path,
     };
     let key = key.trim_start_matches('.');
+    let message = with_subject(key, message);
     // The file was sound before values were replaced: one of those is at fault.
     let is_below = |replaced: &str| key.is_empty() || replaced.starts_with(&format!("{key}."));
     if let Some((_, written)) = doc.replaced.iter().rev().find(|(replaced, _)| is_below(replaced)) {
@@ -220,7 +267,9 @@ fn structural_fault(
         _ if message.starts_with("duplicate") && doc.places.repeated.is_some() => {
             doc.places.repeated.unwrap_or_default()
         }
-        Some(at) if !known_place => (at.line(), at.column()),
+        Some(at) if !known_place && message.contains("invalid ") => (at.line(), at.column()),
+        // Of a value that fits none of several types the reader knows the map around it alone.
+        Some(at) if !known_place => (at.line(), at.column()).max(doc.places.find(key).unwrap_or_default()),
         _ => return doc.fault(key, message),
     };
     Fault::at(FaultKind::Input, &doc.path, &doc.text, line, column, message)
@@ -446,5 +495,29 @@ mod tests {
         let (_, doc) = parse::<Top>(Path::new("m.yaml"), "stones:\n  - density: -1\n".into()).unwrap();
         assert_eq!(doc.place("stones.0.density"), (2, 5));
         assert_eq!(doc.place("stones.0.no.such"), (2, 5));
+    }
+
+    #[test]
+    fn a_second_document_is_placed() {
+        let f = fault("# stones\n stones:\n   - density: 1\n\nmore: 2\n");
+        assert_eq!((f.line, f.column, f.hint.is_some()), (5, 1, true), "{f}");
+        let f = fault("---\nstones: [{density: 1}]\n---\nstones: []\n");
+        assert_eq!((f.line, f.column, f.hint.is_some()), (3, 1, false), "{f}");
+    }
+
+    #[test]
+    fn a_message_has_its_key_as_subject() {
+        let (_, doc) = parse::<Top>(Path::new("m.yaml"), "stones:\n  - density: -1\n".into()).unwrap();
+        for (key, message, expected) in [
+            ("stones.0.density", "is -1, expected a number above 0", "`density` is -1, expected a number above 0"),
+            ("stones.0.density", "expected a number", "`density`: expected a number"),
+            ("stones.0", "needs a `density`", "item 1 of `stones` needs a `density`"),
+            ("stones.0", "there is a stone already", "there is a stone already"),
+            ("stones.0", "isolated stones", "isolated stones"),
+            ("", "has no stones", "has no stones"),
+        ] {
+            assert_eq!(doc.fault(key, message).message, expected);
+        }
+        assert!(fault("stones:\n  - density: heavy\n").message.starts_with("`density`: invalid type"));
     }
 }

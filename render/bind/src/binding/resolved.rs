@@ -366,7 +366,7 @@ impl Binding {
     /// Open the data. An error if the binding names no data, or not exactly one place of it, or the data cannot be opened.
     pub fn open_data(&self) -> Result<Source, Fault> {
         let Some(data) = &self.data else {
-            return Err(self.doc.fault("data", "names no data: expected `data: {run: …}` or `data: {files: …}`"));
+            return Err(self.doc.fault("data", "there is no data: expected `data: {run: …}` or `data: {files: …}`"));
         };
         let store = match &data.place {
             Some(Place::Run(folder)) => Store::Run(run::RunReader::open(&self.folder().join(folder))?),
