@@ -7,6 +7,7 @@ use crate::shape::FARTHEST;
 use frame::yaml::Document;
 use frame::{Fault, mesh};
 use glam::{DQuat, DVec3};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// A resolved shape.
@@ -249,13 +250,27 @@ fn height_field_shape(doc: &Document, key: &str, file: &HeightFieldFile) -> Resu
     Ok(surface_shape(ShapeKind::HeightField, Surface::height_field(&heights, n, origin, spacing)))
 }
 
+/// The cells of a row, which commas, semicolons, tabs or blanks separate. A comma is that of a decimal fraction where something else does.
+fn cells(row: &str) -> impl Iterator<Item = Cow<'_, str>> {
+    let words = || row.split_whitespace();
+    let are_fractions = words().count() > 1 && words().any(|w| w.contains(',')) && !words().any(|w| w.ends_with(','));
+    let (separators, has_fractions): (&[char], bool) = match row.contains([';', '\t']) {
+        true => (&[';', '\t'], true),
+        false if are_fractions => (&[' '], true),
+        false => (&[',', ' '], false),
+    };
+    let cells = row.split(separators).map(str::trim).filter(|cell| !cell.is_empty());
+    cells.map(move |cell| if has_fractions { cell.replace(',', ".").into() } else { cell.into() })
+}
+
 /// Heights of a text file, row by row, m, and their counts along x and y.
 fn read_grid(doc: &Document, key: &str, path: &Path) -> Result<(Vec<f64>, [usize; 2]), Fault> {
     let text = guard::read_to_string(path).map_err(|e| doc.fault(key, format!("{}: {e}", path.display())))?;
+    let text = text.trim_start_matches('\u{feff}');
     let (mut heights, mut nx, mut ny) = (vec![], 0, 0);
     for (line, row) in text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty() && !l.starts_with('#')) {
         let before = heights.len();
-        for cell in row.split([',', ';', ' ', '\t']).filter(|c| !c.is_empty()) {
+        for cell in cells(row) {
             match cell.parse::<f64>() {
                 Ok(z) if z.is_finite() => heights.push(z),
                 _ => {
@@ -272,4 +287,24 @@ fn read_grid(doc: &Document, key: &str, path: &Path) -> Result<(Vec<f64>, [usize
         (nx, ny) = (n, ny + 1);
     }
     Ok((heights, [nx, ny]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::cells;
+
+    #[test]
+    fn commas_of_heights_separate_or_are_decimal() {
+        for (row, expected) in [
+            ("0.5,0.6", vec!["0.5", "0.6"]),
+            ("0.5, 0.6,", vec!["0.5", "0.6"]),
+            (" 0.5  0.6 ", vec!["0.5", "0.6"]),
+            ("0,5;0,6", vec!["0.5", "0.6"]),
+            ("0,5\t0,6", vec!["0.5", "0.6"]),
+            ("0,5 0,6", vec!["0.5", "0.6"]),
+            ("1,2,3", vec!["1", "2", "3"]),
+        ] {
+            assert_eq!(cells(row).collect::<Vec<_>>(), expected, "{row}");
+        }
+    }
 }

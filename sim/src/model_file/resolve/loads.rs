@@ -1,6 +1,8 @@
 //! Loads on bodies, and functions of time.
 
 use super::*;
+use frame::{Column, Field, csv};
+use std::path::Path;
 
 impl Builder<'_> {
     pub(super) fn load(&mut self, key: &str, file: &LoadFile, begins: f64) -> Result<(), Fault> {
@@ -74,29 +76,40 @@ impl Builder<'_> {
             FunctionFile::Table { table } => self.table(&format!("{key}.table"), table.clone()),
             FunctionFile::Csv { csv } => {
                 let key = format!("{key}.csv");
-                let text =
-                    guard::read_to_string(csv).map_err(|e| doc.fault(&key, format!("{}: {e}", csv.display())))?;
-                let mut points = vec![];
-                for (i, line) in text.lines().enumerate() {
-                    let line = line.trim();
-                    if line.is_empty() || line.starts_with('#') {
-                        continue;
-                    }
-                    let cells: Vec<&str> = line.split([',', ';', '\t', ' ']).filter(|c| !c.is_empty()).collect();
-                    match cells.iter().take(2).map(|c| c.parse::<f64>()).collect::<Result<Vec<f64>, _>>() {
-                        Ok(pair) if pair.len() == 2 => points.push([pair[0], pair[1]]),
-                        // The first line may be a header.
-                        _ if points.is_empty() && i == 0 => {}
-                        _ => {
-                            let message =
-                                format!("{}, line {}: expected two numbers, time and value", csv.display(), i + 1);
-                            return Err(doc.fault(&key, message));
-                        }
-                    }
-                }
-                self.table(&key, points)
+                self.table(&key, self.points(&key, csv)?)
             }
         }
+    }
+
+    /// The points of a CSV file of two columns, time and value.
+    fn points(&self, key: &str, path: &Path) -> Result<Vec<[f64; 2]>, Fault> {
+        /// Units that are not converted; a file without units is taken to be in these.
+        const SI: [&str; 12] = ["", "1", "N", "N m", "N*m", "N·m", "Nm", "m", "m/s", "rad", "rad/s", "1/s"];
+        let doc = self.doc;
+        let wrong = |why: String| doc.fault(key, format!("{}: {why}", path.display()));
+        let table = csv::read(path, 0, &csv::Layout::default()).map_err(|fault| doc.fault_of_named(key, fault))?;
+        let [(time, times), (value, values)] = &table.columns[..] else {
+            return Err(wrong(format!("has {} columns, expected two, time and value", table.columns.len())));
+        };
+        let is_time = |name: &str| matches!(name.to_lowercase().as_str(), "t" | "time");
+        if is_time(&value.name) && !is_time(&time.name) {
+            return Err(wrong(format!(
+                "the second column is `{}`, expected the time first, then the value",
+                value.name
+            )));
+        }
+        let unknown = |unit: &str, known: &[&str]| !known.contains(&unit.trim());
+        if unknown(&time.unit, &["", "s", "sec"]) {
+            return Err(wrong(format!("`{}` is in {}, expected s", time.name, time.unit)));
+        }
+        if unknown(&value.unit, &SI) {
+            return Err(wrong(format!("`{}` is in {}, expected N, N m, m, m/s, rad or rad/s", value.name, value.unit)));
+        }
+        let number = |(field, column): (&Field, &Column), row: usize| match column.number(row) {
+            Some(x) if x.is_finite() => Ok(x),
+            _ => Err(wrong(format!("`{}` has no number in row {}", field.name, row + 1))),
+        };
+        (0..table.rows()).map(|row| Ok([number((time, times), row)?, number((value, values), row)?])).collect()
     }
 
     fn table(&self, key: &str, points: Vec<[f64; 2]>) -> Result<Function, Fault> {
