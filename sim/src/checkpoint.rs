@@ -43,7 +43,11 @@ pub fn write(path: &Path, state: &State, model_hash: &str) -> Result<(), Fault> 
 /// A file that cannot be read, is not a checkpoint, has another version of the format, is truncated, or differs from its hash.
 pub fn read(path: &Path) -> Result<(State, String), Fault> {
     let bytes = guard::read(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
-    let broken = |why: &str| Fault::whole(FaultKind::Data, path, format!("is not a checkpoint: {why}"));
+    let broken = |why: &str| {
+        Fault::whole(FaultKind::Data, path, format!("is not a checkpoint: {why}")).hint(
+            "remove it, and the run goes on from the one before, else from its start; or simulate again with --fresh",
+        )
+    };
     let rest = bytes.strip_prefix(head().as_bytes()).ok_or_else(|| {
         let first = bytes.split(|b| *b == b'\n').next().unwrap_or_default();
         match first.strip_prefix(b"scree checkpoint ") {

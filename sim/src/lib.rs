@@ -17,6 +17,7 @@
 mod aabb;
 mod assembly;
 mod backend;
+mod body_names;
 mod builder;
 pub mod checkpoint;
 mod contacts;
@@ -62,6 +63,7 @@ pub mod workload;
 
 pub use aabb::Aabb;
 pub use backend::Backend;
+pub use body_names::BodyNames;
 pub use builder::ModelBuilder;
 pub use contacts::{Arms, Contacts, Tiles};
 pub use fill::SplitMix64;

@@ -1,5 +1,6 @@
 //! The constant model, as columns. `n_bodies` and `n_shapes` are the columns' lengths.
 
+use crate::body_names::BodyNames;
 use crate::geometry::{Hull, Surface};
 use crate::joint::{Joint, Spring};
 use crate::load::Load;
@@ -7,7 +8,6 @@ use crate::pose::PoseColumn;
 use crate::settings::SolverSettings;
 use crate::shape::ShapeKind;
 use glam::DVec3;
-use std::collections::BTreeMap;
 
 /// The contact law of a pair of materials.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -68,8 +68,8 @@ pub struct Model {
     pub body_frame: PoseColumn,
     /// Names of the classes.
     pub class_names: Vec<String>,
-    /// Ids of the named bodies.
-    pub body_names: BTreeMap<String, u32>,
+    /// Names of bodies, with their ids.
+    pub body_names: BodyNames,
     /// Bodies that appear, or begin to move, at a later time; by ascending id.
     pub scheduled: Vec<Scheduled>,
 
@@ -152,8 +152,8 @@ impl Model {
 
     /// Label of a body for messages: its name, or its id and class.
     pub fn body_label(&self, body: usize) -> String {
-        match self.body_names.iter().find(|(_, b)| **b as usize == body) {
-            Some((name, _)) => format!("`{name}`"),
+        match self.body_names.of(body as u32) {
+            Some(name) => format!("`{name}`"),
             None => format!("{body} of class `{}`", self.class_names[self.class[body] as usize]),
         }
     }

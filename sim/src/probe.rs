@@ -20,13 +20,9 @@ pub fn probe_header(model: &Model, probes: &Probes) -> String {
             let _ = write!(h, ",{}", guard::text::cell(&format!("{name}.{part} [{unit}]")));
         }
     };
-    let mut names = vec![None; model.n_bodies()];
-    for (name, b) in &model.body_names {
-        names[*b as usize].get_or_insert(name);
-    }
     for b in &probes.bodies {
         add(
-            &names[*b as usize].map_or_else(|| format!("body_{b}"), String::clone),
+            &model.body_names.of(*b).map_or_else(|| format!("body_{b}"), String::from),
             &[
                 ("x", "m"),
                 ("y", "m"),

@@ -10,6 +10,7 @@ use crate::stages::Stage;
 use crate::state::State;
 use frame::{Column, Frame};
 use glam::{DQuat, DVec3};
+use std::collections::HashMap;
 
 /// The frame of the state's time, with index `index`: one row per shape of the bodies that have appeared, in the order of the shapes,
 /// then one per spring between two points that acts.
@@ -111,27 +112,57 @@ impl Rod {
 
 /// Classes of the rows: of the bodies, and the names of the springs.
 fn classes(model: &Model, rows: &[usize], rods: &[Rod]) -> Column {
-    let mut names = model.class_names.clone();
-    let mut codes: Vec<u32> = rows.iter().map(|s| model.class[model.shape_body[*s] as usize]).collect();
-    for rod in rods {
-        codes.push(code_of(&mut names, &model.springs[rod.spring].name));
+    let of_bodies = rows.iter().map(|s| model.class[model.shape_body[*s] as usize]);
+    if rods.is_empty() {
+        return Column::Category { codes: of_bodies.collect(), names: model.class_names.clone() };
     }
-    Column::Category { codes, names }
+    let mut words = Words::new(model.class_names.iter().map(String::as_str));
+    let of_rods = rods.iter().map(|rod| words.code(&model.springs[rod.spring].name));
+    Column::Category { codes: of_bodies.chain(of_rods).collect(), names: words.names }
 }
 
 /// Shapes of the rows.
 fn shapes(model: &Model, rows: &[usize], rods: &[Rod]) -> Column {
-    let (mut names, mut codes) = shape_names(model, rows);
-    codes.extend(rods.iter().map(|_| code_of(&mut names, "spring")));
-    Column::Category { codes, names }
+    let mut words = Words::new(ShapeKind::ALL.iter().map(|kind| kind.name()));
+    let mut code = |s: &usize| {
+        let kind = model.shape_kind[*s];
+        match kind {
+            ShapeKind::Hull | ShapeKind::Mesh | ShapeKind::HeightField => {
+                words.code(&format!("{}_{}", kind.name(), model.shape_part[*s]))
+            }
+            kind => kind as u32,
+        }
+    };
+    let mut codes: Vec<u32> = rows.iter().map(&mut code).collect();
+    codes.extend(rods.iter().map(|_| words.code("spring")));
+    Column::Category { codes, names: words.names }
 }
 
-/// The index of a name, which is added if it is missing.
-fn code_of(names: &mut Vec<String>, name: &str) -> u32 {
-    names.iter().position(|n| n == name).unwrap_or_else(|| {
-        names.push(name.into());
-        names.len() - 1
-    }) as u32
+/// The words of a column, each with its code.
+struct Words {
+    names: Vec<String>,
+    codes: HashMap<String, u32>,
+}
+
+impl Words {
+    fn new<'a>(names: impl Iterator<Item = &'a str>) -> Words {
+        let mut words = Words { names: vec![], codes: HashMap::new() };
+        for name in names {
+            words.code(name);
+        }
+        words
+    }
+
+    /// The code of a word, which is added if it is missing.
+    fn code(&mut self, name: &str) -> u32 {
+        if let Some(code) = self.codes.get(name) {
+            return *code;
+        }
+        let code = self.names.len() as u32;
+        self.names.push(name.into());
+        self.codes.insert(name.into(), code);
+        code
+    }
 }
 
 /// Index of each row's shape among the shapes of its body.
@@ -143,22 +174,6 @@ fn parts(model: &Model, rows: &[usize]) -> Vec<i64> {
         *next - 1
     };
     rows.iter().map(index).collect()
-}
-
-/// Shape names, and the index of each row's name.
-fn shape_names(model: &Model, rows: &[usize]) -> (Vec<String>, Vec<u32>) {
-    let mut names: Vec<String> = ShapeKind::ALL.iter().map(|k| k.name().to_string()).collect();
-    let codes = rows
-        .iter()
-        .map(|&s| {
-            let kind = model.shape_kind[s];
-            if !matches!(kind, ShapeKind::Hull | ShapeKind::Mesh | ShapeKind::HeightField) {
-                return kind as u32;
-            }
-            code_of(&mut names, &format!("{}_{}", kind.name(), model.shape_part[s]))
-        })
-        .collect();
-    (names, codes)
 }
 
 /// The contact table of the frame with index `index`: one row per contact of the last step.

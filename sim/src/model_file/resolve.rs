@@ -6,6 +6,7 @@ mod fills;
 mod joints;
 mod loads;
 mod probes;
+mod start;
 
 use super::shape::{self, Shape, direction, finite, not_negative, orientation, positive};
 use super::types::*;
@@ -13,7 +14,7 @@ use super::{Probes, Resolved};
 use crate::checkpoint;
 use crate::contacts::Contacts;
 use crate::geometry::{Surface, principal, solid_of};
-use crate::joint::{Coordinate, Joint, JointKind, JointState, Motor, Spring, SpringKind, SpringState};
+use crate::joint::{Joint, JointKind, JointState, Motor, Spring, SpringKind, SpringState};
 use crate::load::{Function, Load};
 use crate::sleep;
 use crate::terrain::Ground;
@@ -22,6 +23,7 @@ use frame::Fault;
 use frame::sequence::matches;
 use frame::yaml::Document;
 use glam::{DMat3, DQuat, DVec3};
+use start::Keys;
 use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
 
@@ -53,14 +55,14 @@ impl ModelFile {
     /// # Errors
     /// The first fault, with the line and column of its key in `doc`.
     pub fn resolve(&self, doc: &Document) -> Result<Resolved, Fault> {
-        let (mut resolved, key_of) = self.build(doc)?;
-        overlaps(&mut resolved, doc, &key_of)?;
-        jumps(&mut resolved);
+        let (mut resolved, keys) = self.build(doc)?;
+        start::overlaps(&mut resolved, doc, &keys)?;
+        start::jumps(&mut resolved, doc, &keys);
         Ok(resolved)
     }
 
-    /// [`ModelFile::resolve`] but for the check of overlaps, which takes the bodies' keys, by their ids.
-    pub(super) fn build(&self, doc: &Document) -> Result<(Resolved, BTreeMap<u32, String>), Fault> {
+    /// [`ModelFile::resolve`] but for the checks of the state at the start, which take the keys.
+    pub(super) fn build(&self, doc: &Document) -> Result<(Resolved, Keys), Fault> {
         self.check_numbers(doc)?;
         let mut build = Builder::new(self, doc);
         build.warnings = self.doubts(doc);
@@ -109,7 +111,9 @@ impl ModelFile {
         if self.frame_rate * self.step > 1.0 + 1e-9 {
             let steps = (1e3 / self.step).round() / 1e3;
             let message = format!("{} frames a second are more than the {steps} steps: frames repeat", self.frame_rate);
-            doubts.push(doc.fault("frame_rate", message).hint("take fewer frames, or a shorter `step`"));
+            // What is not written has no line; of the two, either may be a default or the quality's.
+            let key = ["frame_rate", "step", "quality"].into_iter().find(|key| doc.has(key)).unwrap_or("frame_rate");
+            doubts.push(doc.fault(key, message).hint("take fewer frames, or a shorter `step`"));
         }
         doubts.iter().map(Fault::to_string).collect()
     }
@@ -197,13 +201,14 @@ struct Builder<'a> {
     groups_pass: Vec<[u32; 2]>,
     exclusions: Vec<[u32; 2]>,
     stages: Vec<(String, f64)>,
-    /// Keys of the named bodies in the file.
-    key_of_body: BTreeMap<u32, String>,
+    keys: Keys,
     /// Bodies, joints and springs that are probed by default.
     probe_bodies: Vec<u32>,
     probe_joints: Vec<u32>,
     probe_springs: Vec<u32>,
     warnings: Vec<String>,
+    /// Indices of the hulls, by the bits of their vertices.
+    hulls: HashMap<Vec<[u64; 3]>, u32>,
     class_names: Names,
     group_names: Names,
     joint_names: Names,
@@ -284,11 +289,12 @@ impl<'a> Builder<'a> {
             groups_pass: vec![],
             exclusions: vec![],
             stages: vec![],
-            key_of_body: BTreeMap::new(),
+            keys: Keys::default(),
             probe_bodies: vec![],
             probe_joints: vec![],
             probe_springs: vec![],
             warnings: vec![],
+            hulls: HashMap::new(),
             class_names: Names::default(),
             group_names: Names::default(),
             joint_names: Names::default(),
@@ -344,10 +350,13 @@ impl<'a> Builder<'a> {
     }
 
     fn material(&self, key: &str, name: &str) -> Result<(u32, f64), Fault> {
-        let known: Vec<&str> = self.materials.keys().map(String::as_str).collect();
-        match self.model.material_names.iter().position(|n| n == name) {
-            Some(i) => Ok((i as u32, self.materials[name].density)),
-            None => Err(self.doc.unknown(key, "material", name, &known)),
+        // The names are in order: they are the keys of the map.
+        match self.model.material_names.binary_search_by(|known| known.as_str().cmp(name)) {
+            Ok(i) => Ok((i as u32, self.materials[name].density)),
+            Err(_) => {
+                let known: Vec<&str> = self.materials.keys().map(String::as_str).collect();
+                Err(self.doc.unknown(key, "material", name, &known))
+            }
         }
     }
 
@@ -393,7 +402,7 @@ impl<'a> Builder<'a> {
         self.model.inv_mass[body as usize] > 0.0
     }
 
-    fn finish(mut self) -> Result<(Resolved, BTreeMap<u32, String>), Fault> {
+    fn finish(mut self) -> Result<(Resolved, Keys), Fault> {
         self.laws()?;
         for (i, [a, b]) in self.file.pass_through.iter().enumerate() {
             let known: Vec<&str> = self.model.group_names.iter().map(String::as_str).collect();
@@ -419,9 +428,9 @@ impl<'a> Builder<'a> {
         self.joint_states();
         let probes = self.probes()?;
         let model = self.model;
-        let (warnings, key_of) = (self.warnings, self.key_of_body);
+        let (warnings, keys) = (self.warnings, self.keys);
         let resolved = Resolved { model, state: self.state, probes, stages: self.stages, warnings };
-        Ok((resolved, key_of))
+        Ok((resolved, keys))
     }
 
     /// Angles and lengths of the joints and springs at the start.
@@ -457,70 +466,6 @@ impl<'a> Builder<'a> {
         }
         Ok(())
     }
-}
-
-/// Warn of motors and lengths that do not begin where their joints are: the first step goes there, however far it is.
-fn jumps(resolved: &mut Resolved) {
-    /// Angle, rad, and way over the size of the joint's bodies, that are a jump.
-    const JUMP: f64 = 1e-2;
-    let Resolved { model, state, warnings, .. } = resolved;
-    // Largest half length of each body, m.
-    let mut half = vec![0.0f64; model.n_bodies()];
-    for s in (0..model.n_shapes()).filter(|s| !model.shape_kind[*s].is_surface()) {
-        let own = &mut half[model.shape_body[s] as usize];
-        *own = own.max(model.shape_size[s].max_element());
-    }
-    for (joint, now) in model.joints.iter().zip(&state.joints) {
-        let coordinate = joint.kind.coordinate().filter(|_| joint.acts(0.0));
-        let (what, goal) = match (&joint.motor, coordinate) {
-            (Some(Motor::Position(motion)), Some(_)) => ("motor", motion.at(0.0)),
-            (_, Some(Coordinate::Length)) => ("length", joint.length.at(0.0)),
-            _ => continue,
-        };
-        let (is, is_angle) = (now.coordinate, coordinate == Some(Coordinate::Angle));
-        let [a, b] = joint.bodies.map(|b| half[b as usize]);
-        let (size, unit) = if is_angle { (1.0, "rad") } else { (a.max(b), "m") };
-        if (goal - is).abs() > JUMP * size.max(1e-3) {
-            warnings.push(format!(
-                "the {what} of joint `{}` begins at {goal:.3} {unit}, where the joint is at {is:.3} {unit}: the first step jumps there",
-                joint.name
-            ));
-        }
-    }
-}
-
-/// Check overlaps at the start: one deeper than a radius is an error, one deeper than a tenth of it a warning.
-fn overlaps(resolved: &mut Resolved, doc: &Document, key_of: &BTreeMap<u32, String>) -> Result<(), Fault> {
-    let Resolved { model, state, warnings, .. } = resolved;
-    let found = crate::overlaps::overlaps(model, state);
-    let mut n_warned = 0;
-    for o in &found {
-        let radius = o.shapes.map(|s| match model.shape_kind[s as usize] {
-            kind if kind.is_surface() => f64::INFINITY,
-            _ => model.shape_size[s as usize].min_element(),
-        });
-        let radius = radius[0].min(radius[1]);
-        let text = || {
-            let [a, b] = o.bodies.map(|b| model.body_label(b as usize));
-            format!("bodies {a} and {b} overlap by {:.3e} m at the start", o.depth)
-        };
-        if o.depth > radius {
-            let key = o.bodies.iter().rev().find_map(|b| key_of.get(b)).cloned().unwrap_or_default();
-            return Err(doc.fault(&key, format!("{}, more than a radius of {radius:.3e} m", text())).hint(
-                "move one of them, put them in groups that pass through each other, or connect them by a joint",
-            ));
-        }
-        if o.depth > 0.1 * radius {
-            n_warned += 1;
-            if n_warned <= 5 {
-                warnings.push(text());
-            }
-        }
-    }
-    if n_warned > 5 {
-        warnings.push(format!("{} more pairs of bodies overlap at the start", n_warned - 5));
-    }
-    Ok(())
 }
 
 impl ModelFile {

@@ -23,8 +23,8 @@ fn heap(shapes: &[ShapeFile], n: usize, half: f64, seed: u64) -> (Model, State) 
     }
     let mut random = SplitMix64(seed);
     let mut sim = builder.simulation().unwrap();
-    for (name, body) in &sim.model.body_names {
-        let b = *body as usize;
+    for (name, body) in sim.model.body_names.iter() {
+        let b = body as usize;
         if name == "slope" {
             sim.state.position[b] = DVec3::Z * -0.8 * half;
             continue;

@@ -386,9 +386,9 @@ fn spheres_about_what_is_held_have_the_contacts_of_the_cpu() {
         }
         let mut sim = builder.simulation().unwrap();
         // Where no model could begin: deep in each other and in what is held.
-        for (name, body) in &sim.model.body_names {
-            sim.state.position[*body as usize] = far
-                + match name.as_str() {
+        for (name, body) in sim.model.body_names.iter() {
+            sim.state.position[body as usize] = far
+                + match name {
                     "slope" => DVec3::Z * -0.4,
                     "block" => DVec3::ZERO,
                     _ => vector(&mut random, 0.5),

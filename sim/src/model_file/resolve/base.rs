@@ -52,8 +52,8 @@ impl Builder<'_> {
             self.state.velocity.push(if at_rest { DVec3::ZERO } else { state.velocity[b] });
             self.state.angular_velocity.push(if at_rest { DVec3::ZERO } else { state.angular_velocity[b] });
         }
-        for (name, b) in other_model.body_names.iter().filter(|(_, b)| id[**b as usize] != u32::MAX) {
-            self.model.body_names.insert(name.clone(), id[*b as usize]);
+        for (name, b) in other_model.body_names.iter().filter(|(_, b)| id[*b as usize] != u32::MAX) {
+            self.model.body_names.insert(name.into(), id[b as usize]);
         }
         let mut shape_id = vec![u32::MAX; other_model.n_shapes()];
         for s in (0..other_model.n_shapes()).filter(|s| id[other_model.shape_body[*s] as usize] != u32::MAX) {

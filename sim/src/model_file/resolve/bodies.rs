@@ -9,7 +9,7 @@ impl Builder<'_> {
         if body.name == "world" {
             return Err(doc.fault(&at("name"), "`world` is the name of the fixed world: choose another"));
         }
-        if self.model.body_names.contains_key(&body.name) {
+        if self.model.body_names.get(&body.name).is_some() {
             return Err(doc.fault(&at("name"), format!("there is a body `{}` already", body.name)));
         }
         for (name, values) in
@@ -102,7 +102,7 @@ impl Builder<'_> {
             )
             .map_err(|message| doc.fault(key, format!("{what} {message}")))?;
         self.model.body_names.insert(body.name.clone(), id);
-        self.key_of_body.insert(id, key.into());
+        self.keys.bodies.insert(id, key.into());
         Ok(id)
     }
 
@@ -198,14 +198,15 @@ impl Builder<'_> {
         let model = &mut self.model;
         let mut part = 0;
         if let Some(hull) = s.shape.hull {
-            part = model.hulls.iter().position(|h| *h == hull).unwrap_or_else(|| {
+            let bits = hull.vertices.iter().map(|v| v.to_array().map(f64::to_bits)).collect();
+            part = *self.hulls.entry(bits).or_insert_with(|| {
                 model.hulls.push(hull);
-                model.hulls.len() - 1
+                model.hulls.len() as u32 - 1
             });
         }
         if let Some(surface) = s.shape.surface {
             model.surfaces.push(surface);
-            part = model.surfaces.len() - 1;
+            part = model.surfaces.len() as u32 - 1;
         }
         model.shape_body.push(body);
         model.shape_kind.push(s.shape.kind);
@@ -213,7 +214,7 @@ impl Builder<'_> {
         model.shape_pose.push(pose);
         model.shape_material.push(s.material);
         model.shape_group.push(s.group);
-        model.shape_part.push(part as u32);
+        model.shape_part.push(part);
     }
 
     pub(super) fn release(&mut self, key: &str, name: &str, time: f64) -> Result<(), Fault> {

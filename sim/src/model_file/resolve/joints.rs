@@ -9,7 +9,7 @@ impl Builder<'_> {
     /// Id of a body by name; the fixed body `world` is added at its first use.
     pub(super) fn find(&mut self, key: &str, name: &str) -> Result<u32, Fault> {
         if let Some(id) = self.model.body_names.get(name) {
-            return Ok(*id);
+            return Ok(id);
         }
         if name == "world" {
             let class = self.class("world");
@@ -29,8 +29,8 @@ impl Builder<'_> {
             self.model.body_names.insert("world".into(), id);
             return Ok(id);
         }
-        let mut known: Vec<&str> = self.model.body_names.keys().map(String::as_str).collect();
-        if !self.model.body_names.contains_key("world") {
+        let mut known: Vec<&str> = self.model.body_names.iter().map(|(name, _)| name).collect();
+        if self.model.body_names.get("world").is_none() {
             known.push("world");
         }
         Err(self.doc.unknown(key, "body", name, &known))
@@ -140,6 +140,7 @@ impl Builder<'_> {
             from,
             until,
         };
+        self.keys.joints.insert(self.model.joints.len() as u32, key.into());
         self.model.joints.push(joint);
         if !file.collide {
             self.exclusions.push([bodies[0].min(bodies[1]), bodies[0].max(bodies[1])]);

@@ -11,9 +11,9 @@ impl Builder<'_> {
                 let mut found = vec![];
                 for (i, p) in patterns.iter().enumerate() {
                     let before = found.len();
-                    found.extend(model.body_names.iter().filter(|(n, _)| matches(p, n)).map(|(_, b)| *b));
+                    found.extend(model.body_names.iter().filter(|(n, _)| matches(p, n)).map(|(_, b)| b));
                     if found.len() == before {
-                        let known: Vec<&str> = model.body_names.keys().map(String::as_str).collect();
+                        let known: Vec<&str> = model.body_names.iter().map(|(name, _)| name).collect();
                         return Err(doc.unknown(&format!("probes.bodies.{i}"), "body", p, &known));
                     }
                 }
@@ -35,15 +35,15 @@ impl Builder<'_> {
             }
         }
         let mut contacts = vec![];
+        let classes: HashMap<&str, u32> =
+            model.class_names.iter().enumerate().map(|(i, name)| (name.as_str(), i as u32)).collect();
         for (i, c) in file.contacts.iter().enumerate() {
             let mut pair = [0; 2];
             for (slot, name) in pair.iter_mut().zip(&c.between) {
-                let known: Vec<&str> = model.class_names.iter().map(String::as_str).collect();
-                *slot = known
-                    .iter()
-                    .position(|n| n == name)
-                    .ok_or_else(|| doc.unknown(&format!("probes.contacts.{i}.between"), "class", name, &known))?
-                    as u32;
+                *slot = *classes.get(name.as_str()).ok_or_else(|| {
+                    let known: Vec<&str> = model.class_names.iter().map(String::as_str).collect();
+                    doc.unknown(&format!("probes.contacts.{i}.between"), "class", name, &known)
+                })?;
             }
             contacts.push((c.name.clone(), pair));
         }
