@@ -2,6 +2,7 @@
 
 mod columns;
 mod framing;
+mod inside;
 mod lengths;
 mod motion;
 mod names;
@@ -67,7 +68,8 @@ pub fn metadata(data: Data, frames: &[Frame], up: Up) -> Result<Suggestion, Stri
     let [mut lo, mut hi] =
         framing::extent(&surveys, &classes, &containers).ok_or("the data has no finite positions")?;
     let is_guessed = names.radius.is_none() && !is_ours;
-    let size = if is_guessed { framing::radius_by_spacing(&surveys, [lo, hi]) } else { None }.map_or(0.1, rounded);
+    let spacing = if is_guessed { framing::radius_by_spacing(&surveys, [lo, hi]) } else { None };
+    let size = spacing.map_or(0.1, rounded);
     if hi == lo || is_guessed {
         (lo, hi) = (lo - size as f32, hi + size as f32);
     }
@@ -121,7 +123,8 @@ pub fn metadata(data: Data, frames: &[Frame], up: Up) -> Result<Suggestion, Stri
         ));
     }
     if is_guessed {
-        remarks.push(format!("no column tells a radius: {size} m is guessed from the distances between the rows"));
+        let from = if spacing.is_some() { " from the distances between the rows" } else { "" };
+        remarks.push(format!("no column tells a radius: {size} m is guessed{from}"));
     }
     if !is_ours {
         remarks.extend(names.unused(frame));
@@ -198,32 +201,20 @@ fn object(name: &str, select: Option<String>, geometry: Geometry, surface: &str)
 fn kinds<'a>(surveys: &[Survey<'a>]) -> Vec<Kind<'a>> {
     /// Classes and shapes that are objects of their own at most.
     const MOST: usize = 500;
-    let by_class = merged(surveys.iter().flat_map(|survey| &survey.kinds).cloned());
-    if by_class.len() <= MOST { by_class } else { merged(surveys.iter().flat_map(shapes_of)) }
+    let by_class = merged(surveys.iter().flat_map(|survey| &survey.kinds).cloned(), Kind::merge);
+    let shapes_of = |survey: &Survey<'a>| {
+        let nameless = survey.kinds.iter().map(|kind| Kind { class: "", ..kind.clone() });
+        merged(nameless, Kind::add_all)
+    };
+    if by_class.len() <= MOST { by_class } else { merged(surveys.iter().flat_map(shapes_of), Kind::merge) }
 }
 
-/// The shapes of a frame, of all classes together.
-fn shapes_of<'a>(survey: &Survey<'a>) -> impl Iterator<Item = Kind<'a>> {
-    let mut all: BTreeMap<&str, Kind<'_>> = BTreeMap::new();
-    for kind in &survey.kinds {
-        let kind = Kind { class: "", ..kind.clone() };
-        all.entry(kind.shape)
-            .and_modify(|before| {
-                let count = before.count + kind.count;
-                before.merge(&kind);
-                before.count = count;
-            })
-            .or_insert(kind);
-    }
-    all.into_values()
-}
-
-/// Kinds without doubles, in the order of the first of each.
-fn merged<'a>(kinds: impl Iterator<Item = Kind<'a>>) -> Vec<Kind<'a>> {
+/// Kinds without doubles, in the order of the first of each; `merge` puts another of the same class and shape into it.
+fn merged<'a>(kinds: impl Iterator<Item = Kind<'a>>, merge: fn(&mut Kind<'a>, &Kind<'a>)) -> Vec<Kind<'a>> {
     let (mut all, mut place): (Vec<Kind<'_>>, BTreeMap<(&str, &str), usize>) = Default::default();
     for kind in kinds {
         match place.entry((kind.class, kind.shape)) {
-            Entry::Occupied(before) => all[*before.get()].merge(&kind),
+            Entry::Occupied(before) => merge(&mut all[*before.get()], &kind),
             Entry::Vacant(new) => {
                 new.insert(all.len());
                 all.push(kind);
@@ -297,7 +288,7 @@ fn kinds_as_objects(
     kinds: &[Kind<'_>],
     up: Up,
     moving: &BTreeSet<&str>,
-    containers: &[&str],
+    containers: &BTreeSet<&str>,
     [ground_height, extent]: [f32; 2],
 ) -> Vec<Object> {
     // Walls would hide what is behind them.
@@ -334,7 +325,7 @@ fn kinds_as_objects(
             };
             let ground = kind.is_level_at(ground_height);
             // Seen through once from the front and once behind, the content is still clear; what is not painted is as glass.
-            let is_container = containers.contains(&class);
+            let is_container = containers.contains(class);
             let is_glass = is_container && surface == "concrete";
             let (surface, opacity) = match (is_glass, is_container) {
                 (true, _) => ("pane", Some(0.12)),

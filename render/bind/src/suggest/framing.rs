@@ -1,5 +1,6 @@
 //! Framing of a whole animation: the box that its things are in, and a camera that sees it.
 
+use super::inside::Points;
 use super::survey::{Survey, Thing};
 use crate::metadata::CameraSpec;
 use glam::Vec3;
@@ -71,20 +72,17 @@ impl<'a> Classes<'a> {
     }
 
     /// Classes whose box has a large part of the grains in it, as a drum or a hopper has: opaque, they would hide what they hold.
-    pub(super) fn containers(&self) -> Vec<&'a str> {
+    pub(super) fn containers(&self) -> BTreeSet<&'a str> {
         /// Share of the grains in a container.
         const HELD: f32 = 0.3;
         /// Size of the largest of several bodies that make a container, as walls do, over its own.
         const WALL: f32 = 0.8;
-        let mut found = vec![];
+        let mut found = BTreeSet::new();
         for frame in &self.frames {
-            let grains: Vec<Vec3> = frame
-                .values()
-                .filter(|class| class.is_grains())
-                .flat_map(|c| c.things.iter().map(|t| t.center()))
-                .collect();
+            let grains = frame.values().filter(|class| class.is_grains());
+            let grains = Points::new(grains.flat_map(|c| c.things.iter().map(|t| t.center())).collect());
+            let most = |lo, hi| grains.count(lo, hi) as f32 > HELD * grains.len() as f32;
             for (name, class) in frame.iter().filter(|(name, class)| !class.is_grains() && !name.is_empty()) {
-                let n_inside = grains.iter().filter(|g| g.cmpgt(class.lo).all() && g.cmplt(class.hi).all()).count();
                 // Wheels and boulders that stand about hold nothing.
                 let is_one = class.things.iter().filter(|thing| thing.is_body).count() == 1;
                 // A ramp has grains in its box, but in front of it.
@@ -92,13 +90,12 @@ impl<'a> Classes<'a> {
                 let has_walls = class.things.iter().any(|thing| thing.is_plate);
                 let is_around = class.size > WALL * 0.5 * (class.hi - class.lo).max_element();
                 let is_vessel = if is_one { !is_board } else { has_walls && is_around };
-                let is_container = !grains.is_empty() && is_vessel && n_inside as f32 > HELD * grains.len() as f32;
-                if is_container && !found.contains(name) {
-                    found.push(name);
+                if is_vessel && !found.contains(name) && most(class.lo, class.hi) {
+                    found.insert(*name);
                 }
             }
             // Walls with names of their own hold the grains together; a floor under these hides nothing.
-            let bottom = grains.iter().map(|g| g.z).fold(f32::INFINITY, f32::min);
+            let bottom = grains.lo().z;
             let is_wall = |class: &Class<'_>| {
                 !class.is_grains()
                     && class.things.iter().all(|t| t.is_plate)
@@ -109,24 +106,22 @@ impl<'a> Classes<'a> {
                 continue;
             }
             let Some([lo, hi]) = union(walls.iter().map(|(_, class)| [class.lo, class.hi])) else { continue };
-            let n_inside = grains.iter().filter(|g| g.cmpgt(lo).all() && g.cmplt(hi).all()).count();
-            if n_inside as f32 > HELD * grains.len() as f32 {
+            if most(lo, hi) {
                 let is_large = |class: &Class<'_>| class.size > 0.3 * 0.5 * (hi - lo).max_element();
-                let large = walls.iter().filter(|(name, class)| is_large(class) && !found.contains(*name));
-                found.extend(large.map(|(name, _)| **name).collect::<Vec<_>>());
+                found.extend(walls.iter().filter(|(_, class)| is_large(class)).map(|(name, _)| **name));
             }
         }
         found
     }
 
     /// The box of what moves in an animation, with what holds it and what stands in it; none if nothing moves.
-    fn scene_of_action(&self, containers: &[&str]) -> Option<[Vec3; 2]> {
+    fn scene_of_action(&self, containers: &BTreeSet<&str>) -> Option<[Vec3; 2]> {
         /// Growth of the box in which standing things belong to it, over its size.
         const MARGIN: f32 = 0.1;
         /// Largest part of a mechanism over what moves of it.
         const MECHANISM: f32 = 8.0;
         let moving = self.moving();
-        let is_of = |name: &str| moving.contains(name) || containers.contains(&name);
+        let is_of = |name: &str| moving.contains(name) || containers.contains(name);
         let [mut lo, mut hi] = union(self.frames.iter().filter_map(|frame| {
             let things =
                 frame.iter().filter(|(name, _)| is_of(name)).flat_map(|(_, class)| class.things.iter().copied());
@@ -152,12 +147,12 @@ impl<'a> Classes<'a> {
     }
 
     /// The machine of an animation whose extent is `lo` to `hi`, if a camera that saw all would show it as a few pixels.
-    pub(super) fn subject(&self, containers: &[&str], [lo, hi]: [Vec3; 2]) -> Option<Subject<'a>> {
+    pub(super) fn subject(&self, containers: &BTreeSet<&str>, [lo, hi]: [Vec3; 2]) -> Option<Subject<'a>> {
         /// Largest diagonal of such a machine over that of the whole.
         const SMALL: f32 = 0.06;
         /// What is shown over the machine's size.
         const CONTEXT: f32 = 4.0;
-        let is_machine = |name: &str, class: &Class<'_>| !class.is_grains() && !containers.contains(&name);
+        let is_machine = |name: &str, class: &Class<'_>| !class.is_grains() && !containers.contains(name);
         let mut moving = self.moving();
         moving.retain(|name| self.frames.iter().flat_map(|f| f.get(name)).all(|class| is_machine(name, class)));
         let first = self.frames.first()?;
@@ -202,7 +197,7 @@ fn classes<'a>(survey: &'a Survey<'a>) -> BTreeMap<&'a str, Class<'a>> {
 
 /// The box of all frames: of what moves, if they have classes, else of all; none if no row has a finite position. Terrain is looked at
 /// only where there is nothing else.
-pub(super) fn extent(surveys: &[Survey<'_>], classes: &Classes<'_>, containers: &[&str]) -> Option<[Vec3; 2]> {
+pub(super) fn extent(surveys: &[Survey<'_>], classes: &Classes<'_>, containers: &BTreeSet<&str>) -> Option<[Vec3; 2]> {
     let all = |of: for<'a> fn(&'a Survey<'_>) -> &'a [Thing]| {
         union(surveys.iter().filter_map(|survey| without_strays(of(survey))))
     };

@@ -108,7 +108,10 @@ impl<'a> Names<'a> {
         let more = if more == 0 { String::new() } else { format!(" and {more} more") };
         let names = others.iter().take(WRITTEN).copied().collect::<Vec<_>>().join(", ");
         (!others.is_empty()).then(|| {
-            format!("rows are drawn as spheres; not used, but there to select, turn or colour them, are the columns {names}{more}")
+            let are = if others.len() == 1 { "is the column" } else { "are the columns" };
+            format!(
+                "rows are drawn as spheres; not used, but there to select, turn or colour them, {are} {names}{more}"
+            )
         })
     }
 }

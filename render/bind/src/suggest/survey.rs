@@ -5,6 +5,7 @@ use super::names::Names;
 use crate::Up;
 use frame::{Column, Frame};
 use glam::{Mat3, Quat, Vec3};
+use std::collections::HashMap;
 
 /// A frame as a suggestion sees it.
 pub(super) struct Survey<'a> {
@@ -152,19 +153,18 @@ impl<'a> Survey<'a> {
         let (class_codes, classes) = category("class");
         let columns = Columns::of(frame, names, up);
         let mut survey = Survey { things: vec![], terrain: vec![], kinds: vec![], classes };
-        // Index into the kinds by class and shape.
-        let mut kind_of = vec![usize::MAX; classes.len() * shapes.len()];
+        // Index into the kinds by class and shape: of both there may be as many as rows, but not of the pairs.
+        let mut kind_of: HashMap<(u32, usize), usize> = HashMap::new();
         for row in 0..frame.rows() {
             let shape_code = shape_codes.get(row).map(|code| *code as usize);
             let class_code = class_codes.get(row).copied();
             let shape = shape_code.map_or("", |code| shapes[code].as_str());
             if let (Some(class), Some(shape)) = (class_code, shape_code) {
-                let at = &mut kind_of[class as usize * shapes.len() + shape];
-                if *at == usize::MAX {
-                    *at = survey.kinds.len();
+                let at = *kind_of.entry((class, shape)).or_insert_with(|| {
                     survey.kinds.push(Kind::new(&classes[class as usize], &shapes[shape]));
-                }
-                survey.kinds[*at].add(&columns, row);
+                    survey.kinds.len() - 1
+                });
+                survey.kinds[at].add(&columns, row);
             }
             if shape == "plane" {
                 continue;
@@ -199,9 +199,16 @@ impl<'a> Kind<'a> {
     }
 
     /// Add what is known of the same class and shape in another frame.
-    pub(super) fn merge(&mut self, other: &Kind<'_>) {
+    pub(super) fn merge(&mut self, other: &Kind<'a>) {
+        let count = self.count.max(other.count);
+        self.add_all(other);
+        self.count = count;
+    }
+
+    /// Add the rows of another class with the same shape in the same frame.
+    pub(super) fn add_all(&mut self, other: &Kind<'a>) {
         self.has_walls |= other.has_walls;
-        (self.count, self.largest) = (self.count.max(other.count), self.largest.max(other.largest));
+        (self.count, self.largest) = (self.count + other.count, self.largest.max(other.largest));
         if other.has_others {
             self.levels = match (self.levels, other.levels) {
                 (Some([lo, hi]), Some([a, b])) => Some([lo.min(a), hi.max(b)]),
