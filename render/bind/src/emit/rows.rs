@@ -41,10 +41,10 @@ impl<'a> Rows<'a> {
         self.binding.doc.fault(&format!("{}.{part}", self.key), message)
     }
 
-    /// An expression's value for each row; rows without one that is finite are noted.
+    /// An expression's value for each row; rows without one that is finite, in the single precision of what is drawn, are noted.
     pub(super) fn numbers(&self, part: &str, expr: &Expr) -> Result<Vec<f64>, Fault> {
         let values = self.values(part, expr)?;
-        for (k, _) in values.iter().enumerate().filter(|(_, x)| !x.is_finite()) {
+        for (k, _) in values.iter().enumerate().filter(|(_, x)| !(**x as f32).is_finite()) {
             self.missing.borrow_mut().entry(self.rows[k]).or_insert_with(|| expr.text.clone());
         }
         Ok(values)
