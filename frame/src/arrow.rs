@@ -66,7 +66,7 @@ pub fn read(path: &Path, number: u64) -> Result<Frame, Fault> {
 pub fn decode(path: &Path, bytes: Vec<u8>, number: u64) -> Result<Frame, Fault> {
     let damaged = |e: &dyn std::fmt::Display| {
         Fault::whole(FaultKind::Data, path, format!("is not a whole Arrow IPC file: {e}"))
-            .hint("the file is cut off or damaged: simulate again with --resume, or remove it")
+            .hint("it is not as a run writes its frames: simulate again with --fresh")
     };
     layout::check(&bytes).map_err(|e| damaged(&e))?;
     let reader = FileReader::try_new(Cursor::new(bytes), None).map_err(|e| damaged(&e))?;

@@ -156,6 +156,13 @@ pub fn repeated<'a>(names: impl IntoIterator<Item = &'a str>) -> Option<usize> {
     names.into_iter().position(|name| !seen.insert(name))
 }
 
+/// The number of names for a message, and the names if they are few.
+pub(crate) fn counted(names: &[&str]) -> String {
+    /// Names beside which a fault is still seen.
+    const FEW: usize = 24;
+    if names.len() > FEW { names.len().to_string() } else { format!("{} ({})", names.len(), listed(names)) }
+}
+
 /// Names for a message, the first few of many, in one line.
 pub fn listed(names: &[&str]) -> String {
     /// Names that are written out.

@@ -12,7 +12,7 @@ pub(crate) use numbers::Numbers;
 pub use values::number;
 pub(crate) use values::words;
 
-use crate::{Column, Fault, FaultKind, Field, Frame, foreign, gzip, listed, repeated, text};
+use crate::{Column, Fault, FaultKind, Field, Frame, foreign, gzip, repeated, text};
 use cells::{Row, Rows, Unclosed};
 use std::borrow::Cow;
 use std::fmt::Write;
@@ -356,7 +356,7 @@ fn fit(table: &Table<'_>, row: &mut Vec<&str>, found: Row, names: &[String], lay
     if !(layout.min_cells.unwrap_or(names.len())..=names.len()).contains(&row.len()) {
         let cells = if row.len() == 1 { "cell" } else { "cells" };
         let named: Vec<&str> = names.iter().map(String::as_str).collect();
-        let message = format!("row has {} {cells}, expected {} ({})", row.len(), names.len(), listed(&named));
+        let message = format!("row has {} {cells}, expected {}", row.len(), crate::column::counted(&named));
         let column = table.text.lines().nth(found.line - 1).map_or(1, |l| l.trim_end().chars().count().max(1));
         let fault = table.fault(found.line, column, message);
         let is_last = table.text.lines().count() <= found.line;

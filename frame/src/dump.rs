@@ -195,7 +195,7 @@ impl<'a> Dump<'a> {
             let (at, line) = self.next(i + k, format_args!("{count} rows, found {k},"))?;
             let found = columns.push(line);
             if found != names.len() {
-                let message = format!("row has {found} cells, expected {} ({})", names.len(), crate::listed(names));
+                let message = format!("row has {found} cells, expected {}", crate::column::counted(names));
                 return Err(self.fault(at + 1, message));
             }
         }
@@ -301,6 +301,13 @@ mod tests {
         assert_eq!(frames[1].names(), ["id", "type", "type_2", "x", "y", "z"]);
         assert_eq!(frames[1].column("z"), Some(&Column::I64(vec![6, 7])));
         assert!(read(file.path(), None, 0).unwrap_err().message.contains("second time step"));
+        // An editor of Windows puts its mark before the first.
+        let marked = std::fs::read_to_string(file.path()).unwrap();
+        std::fs::write(file.path(), format!("\u{feff}{marked}")).unwrap();
+        assert_eq!(crate::table::Kind::of(file.path()), crate::table::Kind::Dump);
+        let found = parts(file.path()).unwrap();
+        let rows = |p: &Part| read(file.path(), Some(p), 0).unwrap().rows();
+        assert_eq!(found.iter().map(rows).collect::<Vec<_>>(), [1, 2, 0]);
         // With units and times before the time steps that they belong to.
         let text = [
             format!("ITEM: UNITS\nsi\nITEM: TIME\n0.5\n{}", step(0, bounds, "id x y z\n1 4 5 6")),

@@ -73,7 +73,7 @@ impl<'a> Lines<'a> {
             let found = columns.push(line);
             if found != fields.len() {
                 let names: Vec<&str> = fields.iter().map(|field| field.name.as_str()).collect();
-                let message = format!("row has {found} cells, expected {} ({})", names.len(), crate::listed(&names));
+                let message = format!("row has {found} cells, expected {}", crate::column::counted(&names));
                 return Err(self.fault(message));
             }
         }

@@ -329,6 +329,7 @@ impl RunReader {
         let text = guard::read_to_string(&path).map_err(|e| Fault::unreadable(FaultKind::Data, &path, &e))?;
         let index: Index = serde_json::from_str(&text).map_err(|e| {
             Fault::at(FaultKind::Data, &path, &text, e.line(), e.column(), format!("is not a run's index: {e}"))
+                .hint("it is cut off or was replaced: simulate again with --fresh")
         })?;
         if index.format_version != FORMAT_VERSION {
             let message = format!("has format version {}, this program reads {FORMAT_VERSION}", index.format_version);

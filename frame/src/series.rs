@@ -28,7 +28,8 @@ impl Series {
     /// Continue a series: lines whose value in `column` (from 0) is at most `until` stay, others and truncated lines are removed.
     /// An error if the file cannot be read or written, or if no line is left with a value of at least `from`: then some are missing.
     pub fn reopen(path: &Path, column: usize, from: f64, until: f64) -> Result<Series, Fault> {
-        let text = read_text(FaultKind::Data, path)?;
+        const REPAIR: &str = "lines were lost: simulate again with --fresh";
+        let text = read_text(FaultKind::Data, path).map_err(|fault| fault.hint(REPAIR))?;
         let mut lines = text.lines();
         let header = lines.next().unwrap_or_default();
         // Names in the header may have commas, within quotes.
@@ -46,7 +47,7 @@ impl Series {
                 path,
                 format!("{end}, before the checkpoint, from which it goes on"),
             )
-            .hint("lines were lost: simulate again with --fresh"));
+            .hint(REPAIR));
         }
         let kept: String = std::iter::once(header).chain(kept).flat_map(|l| [l, "\n"]).collect();
         Series::begin(path, &kept)
@@ -95,5 +96,7 @@ mod tests {
         drop(Series::reopen(&path, 1, 0.0, 0.15).unwrap());
         assert_eq!(text(), "step,time [s]\n1,0.1\n");
         assert!(Series::reopen(&path, 1, 0.15, 0.25).is_err_and(|fault| fault.message.contains("ends at 0.1")));
+        std::fs::remove_file(&path).unwrap();
+        assert!(Series::reopen(&path, 1, 0.15, 0.25).is_err_and(|fault| fault.hint.unwrap().contains("--fresh")));
     }
 }

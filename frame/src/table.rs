@@ -2,7 +2,7 @@
 
 use crate::csv::{self, Layout};
 use crate::history::Histories;
-use crate::part::Part;
+use crate::part::{self, Part};
 use crate::vtk::{self, DataSet};
 use crate::{Fault, FaultKind, Frame, arrow, chrono, dump, gzip, mercury, parquet, ply, sequence, xyz};
 use std::collections::BTreeMap;
@@ -40,16 +40,17 @@ impl Kind {
         /// Bytes that are looked at.
         const START: u64 = 1 << 14;
         let start = gzip::start(path, START);
+        let text = start.strip_prefix(part::MARK).unwrap_or(&start);
         let is_vtk = |kind: vtk::Kind| vtk::kind_of(&start) == Some(kind);
         let kinds = [
-            (dump::is_dump(&start), Kind::Dump),
+            (dump::is_dump(text), Kind::Dump),
             (is_vtk(vtk::Kind::Points), Kind::Vtk),
             (is_vtk(vtk::Kind::Collection), Kind::Collection),
             (start.starts_with(parquet::MAGIC), Kind::Parquet),
             (start.starts_with(arrow::MAGIC), Kind::Arrow),
             (ply::is_ply(&start), Kind::Ply),
-            (xyz::is_xyz(&start), Kind::Xyz),
-            (mercury::is_mercury(&start), Kind::Mercury),
+            (xyz::is_xyz(text), Kind::Xyz),
+            (mercury::is_mercury(text), Kind::Mercury),
             (chrono::is_chrono(&start), Kind::Chrono),
         ];
         kinds.into_iter().find(|(is, _)| *is).map_or(Kind::Csv, |(_, kind)| kind)
