@@ -23,7 +23,7 @@ use frame::{Fault, FaultKind, Frame, list};
 use render::film::bucket::Shard;
 use render::ri::imprint::Imprint;
 use render::{Context, DrawnBy};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -402,8 +402,8 @@ impl<'a> Work<'a> {
 
 /// What a movie of a job is made of: a hash of its images, by what their ledger has of them, and their rate.
 pub fn hash(job: &ImageJob) -> String {
-    let names = job.frames.iter().map(|frame| job.image(*frame));
-    let names: Vec<String> = names.map(|p| p.file_name().unwrap_or_default().to_string_lossy().into_owned()).collect();
+    let names: Vec<String> =
+        job.images().into_iter().map(|p| p.file_name().unwrap_or_default().to_string_lossy().into_owned()).collect();
     let images = movie_images(&Ledger::of(&job.folder), names.iter().map(String::as_str));
     format!("{images} at {}", job.binding.frame_rate)
 }
@@ -431,7 +431,8 @@ fn say_gaps(job: &ImageJob) {
     let number = |file: &String| Path::new(file).file_stem()?.to_str()?.parse::<u64>().ok();
     let files = Ledger::of(&job.folder).files();
     let of_frames = files.iter().filter(|file| ending(file) == job.image(0).extension().map(|e| e.to_os_string()));
-    let is_gone = |file: &&String| number(file).is_some_and(|n| !numbers.contains(&n) && !job.lacking.contains(&n));
+    let known: HashSet<u64> = numbers.iter().chain(&job.lacking).copied().collect();
+    let is_gone = |file: &&String| number(file).is_some_and(|n| !known.contains(&n));
     let gone: Vec<&String> = of_frames.filter(is_gone).filter(|file| job.folder.join(file).is_file()).collect();
     if let Some(first) = gone.first() {
         eprintln!(

@@ -30,7 +30,8 @@ fn print(frames: &[u64], table: &Frame, is_timed: bool) {
     /// Characters of the names that the next column keeps clear of.
     const WIDEST: usize = 40;
     let time = if is_timed { format!(" at {} s", table.time) } else { String::new() };
-    println!("{}; frame {}{time} has {} rows", list::describe(frames), table.number, table.rows());
+    let rows = if table.rows() == 1 { "1 row".into() } else { format!("{} rows", table.rows()) };
+    println!("{}; frame {}{time} has {rows}", list::describe(frames), table.number);
     if let Some(gaps) = list::describe_gaps(frames) {
         println!("note: {gaps}");
     }

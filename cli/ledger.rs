@@ -6,6 +6,7 @@ mod claim;
 
 pub use claim::{Claim, Claims};
 
+use crate::report::in_one_line;
 use frame::Fault;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -90,7 +91,7 @@ impl fmt::Display for Standing {
             Standing::Changed => f.write_str("stale: data, metadata, scene or program have changed"),
             Standing::Depends(path) => write!(f, "stale: {} has changed", path.display()),
             Standing::Lacks(path) => write!(f, "stale: {} is not there any more", path.display()),
-            Standing::Undrawable(why) => write!(f, "stale: it cannot be drawn again: {}", guard::text::line(why)),
+            Standing::Undrawable(why) => write!(f, "stale: it cannot be drawn again: {}", in_one_line(why)),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::arrivals::Arrivals;
 use crate::geometry;
-use crate::interrupt::Listener;
+use crate::interrupt::{self, Listener};
 use crate::job::{FramesJob, ModelRun, Origin};
 use crate::ledger::Claims;
 use crate::machine;
@@ -46,7 +46,13 @@ pub fn simulate(job: ModelRun, onward: Onward, arrivals: Option<&Arrivals>) -> O
     say_what_is_there(&file, &folder, span.resume, onward)?;
     note_command(&folder, span.resume)?;
     let up = Up::against(resolved.model.gravity.to_array());
-    let mut console = Console { progress: None, interruption: Listener::new(), up, arrivals };
+    // Until the first step there is nothing to keep but what is there: a signal ends the program at once.
+    let has_checkpoint = span.resume && checkpoint::latest(&folder)?.is_some();
+    interrupt::remark(match has_checkpoint {
+        true => format!("no step is taken yet; {} has a checkpoint: {}", folder.display(), onward.way()),
+        false => "no step is taken yet; the same command begins again".into(),
+    });
+    let mut console = Console { progress: None, interruption: None, up, arrivals };
     guard::memory::doing("simulating into", &folder);
     let done = machine::with_all_memory(|| run::simulate(&file, resolved, &folder, (&span, &computer), &mut console));
     done.map_err(place)
@@ -59,6 +65,16 @@ pub enum Onward {
     Resume,
     /// By the same command.
     Again,
+}
+
+impl Onward {
+    /// How, for a message.
+    fn way(self) -> &'static str {
+        match self {
+            Onward::Resume => "continue with --resume",
+            Onward::Again => "the same command goes on",
+        }
+    }
 }
 
 /// The error that ends a run into a folder, for the user.
@@ -76,10 +92,7 @@ fn failure(error: RunError, folder: &Path, onward: Onward) -> Failure {
             format!("{why}\n  = --backend gpu or auto takes an adapter; without it leave `gpu_from` out"),
         ),
         RunError::Interrupted(time) => {
-            let way = match onward {
-                Onward::Resume => "continue with --resume",
-                Onward::Again => "the same command goes on",
-            };
+            let way = onward.way();
             let message = format!("interrupted at {time:.6} s; {} has a checkpoint: {way}", folder.display());
             Failure::new(Exit::Interrupted, message)
         }
@@ -185,11 +198,22 @@ pub fn check_warnings(folder: &Path) -> Outcome {
 /// Shows the progress of a run, and writes what rendering it needs: shapes as RIB archives and a metadata file.
 struct Console<'a> {
     progress: Option<Progress>,
-    interruption: Listener,
+    /// From the first frame on.
+    interruption: Option<Listener>,
     /// The axis that points up.
     up: Up,
     /// Who waits for frames.
     arrivals: Option<&'a Arrivals>,
+}
+
+impl Console<'_> {
+    /// Listen to signals, which stop the run at a checkpoint from now on.
+    fn listen(&mut self) {
+        self.interruption.get_or_insert_with(|| {
+            interrupt::remark(String::new());
+            Listener::new()
+        });
+    }
 }
 
 impl Observer for Console<'_> {
@@ -200,6 +224,9 @@ impl Observer for Console<'_> {
 
     fn resume(&mut self, checkpoint: &Path, time: f64, there: u64, expected: u64) {
         eprintln!("resume: from {} at {time:.4} s, {there} of {expected} frames exist", checkpoint.display());
+        if there > 0 {
+            self.listen();
+        }
         self.arrivals.iter().for_each(|arrivals| arrivals.written(there));
     }
 
@@ -212,6 +239,7 @@ impl Observer for Console<'_> {
     }
 
     fn frame(&mut self, done: u64) {
+        self.listen();
         self.progress.iter().for_each(|p| p.at(done));
         self.arrivals.iter().for_each(|arrivals| arrivals.written(done));
     }
@@ -235,7 +263,7 @@ impl Observer for Console<'_> {
     }
 
     fn is_interrupted(&self) -> bool {
-        self.interruption.is_requested()
+        self.interruption.as_ref().is_some_and(Listener::is_requested)
     }
 }
 

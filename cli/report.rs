@@ -45,6 +45,19 @@ impl Failure {
     }
 }
 
+/// A message in one line, for lists: without the line of a file that it quotes, and with its advice behind a semicolon.
+pub fn in_one_line(message: &str) -> String {
+    let mut all = String::new();
+    for line in message.lines().filter(|line| !line.starts_with("  | ")) {
+        match line.strip_prefix("  = ") {
+            Some(advice) => all += &format!("; {advice}"),
+            None if all.is_empty() => all += line,
+            None => all += &format!(" {line}"),
+        }
+    }
+    guard::text::line(&all)
+}
+
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.message)

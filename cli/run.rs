@@ -5,6 +5,7 @@ use crate::drawing::{self, Drawing};
 use crate::job::{ImageJob, MovieFile, Origin, RunJob, Statistics};
 use crate::report::Outcome;
 use crate::{images, model_run, movie};
+use std::collections::HashSet;
 use std::path::PathBuf;
 
 /// Run `scree run`.
@@ -36,13 +37,14 @@ pub fn run(job: RunJob) -> Outcome {
 
 /// Whether there are images of other frames of the data than those of the job.
 fn has_others(images: &ImageJob) -> bool {
-    let is_other = |frame: &u64| !images.frames.contains(frame) && images.image(*frame).is_file();
+    let drawn: HashSet<u64> = images.frames.iter().copied().collect();
+    let is_other = |frame: &u64| !drawn.contains(frame) && images.image(*frame).is_file();
     images.source.numbers().iter().any(is_other)
 }
 
-/// Make the movie of a job's images, and return its file; of EXR images there is none.
+/// Make the movie of a job's images, in the order of the frames, and return its file; of EXR images there is none.
 pub fn encode(images: &ImageJob, output: &MovieFile) -> Outcome<Option<PathBuf>> {
-    let files: Vec<PathBuf> = images.frames.iter().map(|f| images.image(*f)).collect();
+    let files = images.images();
     if files.first().is_some_and(|i| i.extension().is_some_and(|e| e != "png")) {
         eprintln!("warning: movies are made of PNG images, and these are EXR (`output.format`): no movie is written");
         return Ok(None);

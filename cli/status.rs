@@ -7,7 +7,7 @@ use crate::displays::written;
 use crate::images;
 use crate::job::{StatusJob, images_made_of, images_of, replacements};
 use crate::ledger::{Hashes, Ledger, Standing};
-use crate::report::{Exit, Failure, Outcome};
+use crate::report::{Exit, Failure, Outcome, in_one_line};
 use frame::run::RunReader;
 use frame::{Fault, FaultKind, list};
 use rayon::prelude::*;
@@ -34,6 +34,8 @@ struct Status {
     seconds: f64,
     /// Frames of the simulation that are there, and how many there will be.
     simulated: Option<(u64, u64)>,
+    /// Why the run cannot be read, if it is there.
+    run_fault: Option<String>,
     /// Runs of a sweep that are finished, and how many there will be.
     runs: Option<(usize, usize)>,
     /// The movie, where one is made.
@@ -91,7 +93,9 @@ fn status(folder: &Path) -> Outcome<Status> {
     }
     let Some(plan) = plan else { return Ok(status) };
     if plan.simulation.as_ref().is_some_and(|simulation| simulation.sweep == 0) {
-        let run = RunReader::open(&plan.home).ok();
+        let run = RunReader::open(&plan.home).map_err(|fault| fault.to_string());
+        status.run_fault = run.as_ref().err().filter(|_| RunReader::is_run(&plan.home)).cloned();
+        let run = run.ok();
         let there = run.as_ref().map_or(0, |run| run.n_there() as u64);
         status.simulated = Some((there, run.map_or(0, |run| run.index.expected_frames)));
     }
@@ -193,7 +197,11 @@ impl Status {
         let is_swept = self.runs.is_none_or(|(done, all)| done == all);
         let is_drawn = self.done == self.images && (self.images > 0 || self.runs.is_some());
         let is_failed = self.tasks.values().any(|state| matches!(state, TaskState::Failed(_)));
-        is_swept && is_drawn && !is_failed && self.movie.is_none_or(|movie| movie == MovieStanding::Done)
+        is_swept
+            && is_drawn
+            && !is_failed
+            && self.run_fault.is_none()
+            && self.movie.is_none_or(|movie| movie == MovieStanding::Done)
     }
 
     /// Whether nobody works on a film that is not done, as far as that can be known.
@@ -212,7 +220,9 @@ impl Status {
         /// Names that are printed.
         const PRINTED: usize = 10;
         let mut text = String::new();
-        if let Some((there, expected)) = self.simulated {
+        if let Some(why) = &self.run_fault {
+            text += &format!("simulation: {}\n", in_one_line(why));
+        } else if let Some((there, expected)) = self.simulated {
             text += &format!("simulation: {there} of {expected} frames\n");
         }
         if let Some((done, all)) = self.runs {
@@ -241,7 +251,7 @@ impl Status {
         }
         text += "\n";
         for (file, why) in self.failed.iter().take(PRINTED) {
-            text += &format!("  {file}: {}\n", guard::text::line(why));
+            text += &format!("  {file}: {}\n", in_one_line(why));
         }
         for file in self.damaged.iter().take(PRINTED) {
             text += &format!("  {file}: not as it was written\n");
@@ -258,7 +268,7 @@ impl Status {
         const PRINTED: usize = 10;
         let said = |(task, state): (&String, &TaskState)| match state {
             TaskState::Running => None,
-            TaskState::Failed(why) => Some(format!("task {task} failed: {}\n", guard::text::line(why))),
+            TaskState::Failed(why) => Some(format!("task {task} failed: {}\n", in_one_line(why))),
             TaskState::Lost => Some(format!(
                 "task {task} was stopped before its end: it was cancelled or killed, or its machine was lost\n"
             )),
@@ -297,7 +307,7 @@ impl Status {
             "images": self.images, "done": self.done, "working": self.working, "failed": failed,
             "damaged": self.damaged, "shards": self.shards, "seconds": self.seconds, "seconds_left": self.seconds_left(),
             "simulated_frames": self.simulated.map(|(there, _)| there),
-            "expected_frames": self.simulated.map(|(_, expected)| expected), "queue": self.queue,
+            "expected_frames": self.simulated.map(|(_, expected)| expected), "run_fault": self.run_fault, "queue": self.queue,
             "movie": self.movie.map(|movie| movie.to_string()), "tasks": self.tasks.iter().map(task).collect::<Vec<_>>(),
             "is_done": self.is_done(),
             "finished_runs": self.runs.map(|(done, _)| done), "runs": self.runs.map(|(_, all)| all),
@@ -333,7 +343,8 @@ pub fn verify(job: StatusJob) -> Outcome {
     let n_others = bad.iter().filter(|(name, _)| ["movie", "run", "sweep", "frames"].contains(&name.as_str())).count();
     let are = |n: usize| if n == 1 { "is" } else { "are" };
     let parts = |n: usize| if n == 1 { "1 other part".to_string() } else { format!("{n} other parts") };
-    let message = match (bad.len() - n_others, n_others) {
+    let has_none = bad.iter().any(|(name, _)| name == "images");
+    let message = match (if has_none { n } else { bad.len() - n_others }, n_others) {
         (images, 0) => format!("{images} of {n} images {} not done", are(images)),
         (0, others) => format!("all {n} images are done, but {} of the film {} not", parts(others), are(others)),
         (images, others) => format!("{images} of {n} images and {} of the film are not done", parts(others)),
@@ -384,6 +395,11 @@ fn of_film(folder: &Path) -> Outcome<(usize, Vec<(String, String)>)> {
             Err(_) if !RunReader::is_run(&plan.home) && plan.simulation.is_some() => {
                 bad.push(("images".into(), Standing::Missing.to_string()));
             }
+            // The run was there when the film was submitted, and is not the model's any more.
+            Err(failure) if failure.exit == Exit::Usage && RunReader::is_run(&plan.home) => {
+                bad.push(("run".into(), in_one_line(&failure.message)));
+                bad.push(("images".into(), "stale: of another run than the model's".into()));
+            }
             Err(failure) => return Err(failure),
         }
     }
@@ -398,7 +414,7 @@ fn model_of_run(plan: &Plan) -> Option<String> {
     match sim::model_file::load(&simulation.model, &set) {
         Ok((file, _)) if sim::run::model_hash(&file) == run.index.model_hash => None,
         Ok(_) => Some(format!("stale: {} has changed since it was simulated", simulation.model.display())),
-        Err(fault) => Some(format!("cannot be simulated again: {}", guard::text::line(&fault.to_string()))),
+        Err(fault) => Some(format!("cannot be simulated again: {}", in_one_line(&fault.to_string()))),
     }
 }
 

@@ -31,8 +31,10 @@ fn simulate_to(plan: &Plan, i: usize) -> Outcome {
     let resolved = file.resolve(&doc)?;
     let is_last = i + 1 == simulation.until.len();
     let expected = n_frames(simulation.until[i], file.frame_rate);
-    let there = RunReader::open(&plan.home).ok().filter(|run| run.index.model_hash == sim::run::model_hash(&file));
-    let is_whole = there.as_ref().is_none_or(RunReader::is_whole);
+    let opened = RunReader::open(&plan.home);
+    let is_lost = opened.is_err() && RunReader::is_run(&plan.home);
+    let there = opened.ok().filter(|run| run.index.model_hash == sim::run::model_hash(&file));
+    let is_whole = !is_lost && there.as_ref().is_none_or(RunReader::is_whole);
     let is_done = if is_last {
         sim::run::is_done(&file, &plan.home)
     } else {
@@ -43,7 +45,9 @@ fn simulate_to(plan: &Plan, i: usize) -> Outcome {
         return Ok(());
     }
     if !is_whole {
-        eprintln!("warning: frames of {} are lost or damaged: it is simulated again", plan.home.display());
+        let home = plan.home.display();
+        let what = if is_lost { format!("run.json of {home} is") } else { format!("frames of {home} are") };
+        eprintln!("warning: {what} lost or damaged: it is simulated again");
     }
     let span = Span { until: (!is_last).then_some(simulation.until[i]), resume: is_whole };
     let run = ModelRun { file, resolved, folder: plan.home.clone(), span, computer: Default::default() };

@@ -241,6 +241,39 @@ fn a_film_that_is_damaged_is_mended() {
         scree(&["resume", &home]).ok();
         assert!(scree(&["verify", &home]).ok().contains("4 images"));
     }
+    // So is a run whose index is damaged.
+    let index = Path::new(&home).join("run.json");
+    let whole = std::fs::read(&index).unwrap();
+    std::fs::write(&index, &whole[..whole.len() / 2]).unwrap();
+    let status = scree(&["status", &home]).ok();
+    assert!(status.contains("is not a run's index") && status.contains("; it is cut off or was replaced"), "{status}");
+    assert!(!status.contains(" | "), "what a line quotes is left out: {status}");
+    scree(&["verify", &home]).fails(4);
+    scree(&["resume", &home]).ok();
+    assert!(scree(&["verify", &home]).ok().contains("4 images"));
+    // A film of a run that was there, whose model is another since.
+    call(&["submit", &model, "-o", &home, "--scheduler", "local"], &SMALL).ok();
+    let text = std::fs::read_to_string(&model).unwrap();
+    std::fs::write(&model, text.replace("friction: 0.5", "friction: 0.4")).unwrap();
+    let bad = scree(&["verify", &home]).fails(5);
+    assert!(bad.contains("4 of 4 images and 1 other part"), "{bad}");
+}
+
+/// Frames may be drawn in any order: the movie has theirs.
+#[test]
+fn a_movie_has_the_order_of_the_frames() {
+    let work = data(3);
+    let metadata = at(work.path(), "md.yaml");
+    let movie = |name: &str, more: &[&str]| {
+        let home = at(work.path(), name);
+        call(&[&["run", &metadata, "-o", &home], more].concat(), &SMALL).ok();
+        let mut entries = std::fs::read_dir(&home).unwrap().flatten().map(|entry| entry.path());
+        std::fs::read(entries.find(|path| path.is_file()).unwrap()).unwrap()
+    };
+    let forwards = movie("forwards", &["-f", "0-2"]);
+    assert!(movie("backwards", &["-f", "2,1,0"]) == forwards);
+    assert!(movie("forwards", &["-f", "1,0"]) == forwards, "a part of the images replaces no movie");
+    assert!(movie("forwards", &["-f", "2,0,1", "--redraw"]) == forwards);
 }
 
 #[test]

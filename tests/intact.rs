@@ -62,6 +62,11 @@ fn a_finished_run_that_lost_frames_is_drawn_without_them() {
     // What goes on from its checkpoint needs them.
     let said = scree(&["simulate", model, "-o", home, "--resume"]).fails(4);
     assert!(said.contains("frames/000001.arrow"), "{said}");
+    // Of a run without a frame that can be read, nothing is done.
+    let frames = || std::fs::read_dir(run.join("frames")).unwrap().flatten().map(|entry| entry.path());
+    frames().for_each(|path| std::fs::write(path, &sound[..99]).unwrap());
+    let said = draw(&["--redraw"]).fails(4);
+    assert!(said.contains("none of the 5 frames can be read; frame 0: "), "{said}");
     let said = draw(&["--fresh"]);
     said.ok();
     assert!(said.errors().contains("which is simulated again\n"), "{}", said.errors());

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 /// A pile of few stones on a plane.
-const STONES: &str = "\
+pub const STONES: &str = "\
 step: 0.002
 duration: 0.1
 frame_rate: 50
@@ -17,18 +17,18 @@ fills:
 ";
 
 /// Paths below a folder, as arguments.
-struct Work(tempfile::TempDir);
+pub struct Work(tempfile::TempDir);
 
 impl Work {
-    fn new() -> Work {
+    pub fn new() -> Work {
         Work(scratch())
     }
 
-    fn at(&self, name: &str) -> String {
+    pub fn at(&self, name: &str) -> String {
         self.0.path().join(name).to_str().unwrap().into()
     }
 
-    fn write(&self, name: &str, text: &str) -> String {
+    pub fn write(&self, name: &str, text: &str) -> String {
         std::fs::write(self.0.path().join(name), text).unwrap();
         self.at(name)
     }
@@ -39,7 +39,7 @@ impl Work {
 }
 
 /// The frames of a run with their hashes, as `run.json` lists them.
-fn frames(run: &str) -> Vec<(u64, String)> {
+pub fn frames(run: &str) -> Vec<(u64, String)> {
     let text = std::fs::read_to_string(Path::new(run).join("run.json")).unwrap();
     let index: serde_json::Value = serde_json::from_str(&text).unwrap();
     let entry = |f: &serde_json::Value| (f["number"].as_u64().unwrap(), f["hash"].as_str().unwrap().to_string());
@@ -206,51 +206,20 @@ fn a_closed_pipe_stops_no_work() {
     assert!(work.read("run/run.json").contains("\"complete\": true"));
 }
 
-/// A signal is sent as soon as the run has frames; the run ends with a checkpoint, from which it resumes to the same bits.
-#[cfg(unix)]
-#[test]
-fn a_signal_ends_a_run_with_a_checkpoint() {
-    let work = Work::new();
-    let slow = STONES.replace("duration: 0.1", "duration: 400").replace("frame_rate: 50", "frame_rate: 2");
-    for signal in ["TERM", "INT"] {
-        let (model, run) = (work.write("m.yaml", &slow), work.at(signal));
-        let mut child = Command::new(env!("CARGO_BIN_EXE_scree"))
-            .args(["simulate", &model, "-o", &run])
-            .stderr(std::process::Stdio::piped())
-            .spawn()
-            .unwrap();
-        let has_frames = || Path::new(&run).join("frames/000002.arrow").exists();
-        while !has_frames() && child.try_wait().unwrap().is_none() {
-            std::thread::sleep(std::time::Duration::from_millis(5));
-        }
-        Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status().unwrap();
-        let output = child.wait_with_output().unwrap();
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(130), "{said}");
-        assert!(said.contains("interrupted at") && said.contains("--resume"), "{said}");
-        let n = frames(&run).len();
-        assert!((3..800).contains(&n), "{n} frames");
-        let span = ["--until", "12"];
-        scree(&[&["simulate", &model, "-o", &run, "--resume"], &span[..]].concat()).ok();
-        let whole = work.at("whole");
-        if !Path::new(&whole).exists() {
-            scree(&[&["simulate", &model, "-o", &whole], &span[..]].concat()).ok();
-        }
-        assert_eq!(frames(&run), frames(&whole));
-    }
-}
-
 #[test]
 fn faults_of_replaced_values_are_told_where_they_are_written() {
     let work = Work::new();
     let model = work.write("m.yaml", STONES);
     let run = work.at("run");
     for (set, says) in [
-        ("solver.iterations=abc", "--set solver.iterations=abc: invalid type: string \"abc\", expected a whole number"),
+        (
+            "solver.iterations=abc",
+            "--set solver.iterations=abc: `iterations`: invalid type: string \"abc\", expected a whole number",
+        ),
         ("solver.iteratoins=3", "did you mean `iterations`?"),
-        ("solver.rest_gap=1", "--set solver.rest_gap=1: is 1 m, above the envelope of "),
-        ("quality=[draft]", "--set quality=[draft]: invalid type: sequence, expected a word"),
-        ("step=-1", "--set step=-1: is -1, expected a number above 0"),
+        ("solver.rest_gap=1", "--set solver.rest_gap=1: `rest_gap` is 1 m, above the envelope of "),
+        ("quality=[draft]", "--set quality=[draft]: `quality`: invalid type: sequence, expected a word"),
+        ("step=-1", "--set step=-1: `step` is -1, expected a number above 0"),
         ("bodies.grund.mass=3", "did you mean `ground`?"),
         ("materials.ston.friction=0.3", "there is no key, index or name `ston`"),
         ("materials.rock.friction=0.3", "there is no key, index or name `rock`"),
@@ -548,30 +517,4 @@ fills:
     // Only what is there is listed, and only missing frames that are asked for are missing.
     let shown = scree(&["inspect", &run]).ok();
     assert!(shown.contains("names: sphere, box\n") || shown.contains("names: box, sphere\n"), "{shown}");
-}
-
-#[cfg(unix)]
-#[test]
-fn a_signal_ends_a_render_between_whole_images() {
-    let work = Work::new();
-    let (model, run) = (work.write("m.yaml", STONES), work.at("run"));
-    scree(&["simulate", &model, "-o", &run]).ok();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_scree"))
-        .args(["render", &run, "--res", "1600x900", "--samples", "6"])
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    let first = Path::new(&run).join("images/000000.png");
-    while !first.exists() && child.try_wait().unwrap().is_none() {
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
-    Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
-    let output = child.wait_with_output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(130), "{said}");
-    assert!(said.contains("of 5 images are done; the same command goes on"), "{said}");
-    let images = std::fs::read_dir(Path::new(&run).join("images")).unwrap().flatten();
-    for path in images.map(|e| e.path()).filter(|p| p.extension().is_some_and(|e| e == "png")) {
-        image::open(path).unwrap();
-    }
 }

@@ -179,7 +179,7 @@ fn rows_without_values_are_counted() {
     std::fs::write(work.path().join("p_1.csv"), "x,y,z,r,speed\n0,0,0,0.1,1\n").unwrap();
     std::fs::write(
         work.path().join("p_2.csv"),
-        "x,y,z,r,speed\n0,0,0,0.1,\n1,NA,0,0.1,2\n2,0,0,,3\n3,0,0,0,3\n4,0,0,0.1,4\n",
+        "x,y,z,r,speed\n0,0,0,0.1,\n1,NA,0,0.1,2\n2,0,0,,3\n3,0,0,0,3\n4,0,0,0.1,4\n5,0,0,1e300,4\n",
     )
     .unwrap();
     let head = "data: {csv: 'p_*.csv'}\ncamera: {eye: [1, -5, 1], look_at: [1, 0, 0]}\nobjects:\n  - name: a\n    position: [x, y, z]\n";
@@ -189,7 +189,7 @@ fn rows_without_values_are_counted() {
     answer.ok();
     let said = answer.errors();
     assert!(
-        said.contains("3 rows not drawn for want of a value or a size; the first is row 2 of frame 2, in `y`"),
+        said.contains("4 rows not drawn for want of a value or a size; the first is row 2 of frame 2, in `y`"),
         "{said}"
     );
     assert!(
@@ -335,7 +335,75 @@ fn a_joint_is_told_where_it_may_not_begin() {
     // A length that begins elsewhere is taken to, as a motor's motion.
     let length = |m: f64| check(&format!("kind: distance, position_b: [1, 0, 0], length: {m}")).errors();
     assert!(length(0.8).contains("the length of joint `j` begins at 0.800 m, where the joint is at 1.000 m"));
+    assert!(length(0.8).contains("m.yaml:5:73: "), "{}", length(0.8));
     assert!(!length(1.0).contains("begins at"));
+}
+
+/// A function of time from a CSV file: in all dialects, and in no units but SI.
+#[test]
+fn functions_of_time_are_read_from_csv_files() {
+    let work = scratch();
+    let at = |name: &str| work.path().join(name);
+    let model = "duration: 0.5\nstep: 0.01\ngravity: [0, 0, 0]\nbodies:\n  - {name: cart, shapes: [], mass: 1, inertia: [1, 1, 1]}\n\
+                 loads:\n  - {body: cart, force: [1, 0, 0], value: {csv: f.csv}}\nprobes: {interval: 0.5, no_energies: true}\n";
+    std::fs::write(at("m.yaml"), model).unwrap();
+    // A force that rises from 0 to 3 N in 1 s: v = 3/2 t².
+    for file in [
+        "0,0\n1,3\n",
+        "time [s],force [N]\n0,0\n1,3\n",
+        "\u{feff}t;F\r\n0,0;0,0\r\n0,5;1,5\r\n1,0;3,0\r\n",
+        "# t F\n0 0\n1 3\n",
+    ] {
+        std::fs::write(at("f.csv"), file).unwrap();
+        scree(&["simulate", text(&at("m.yaml")), "-o", text(&at("run")), "--fresh"]).ok();
+        let probes = std::fs::read_to_string(at("run/probes.csv")).unwrap();
+        let column = probes.lines().next().unwrap().split(',').position(|name| name == "cart.vx [m/s]").unwrap();
+        let v: f64 = probes.lines().last().unwrap().split(',').nth(column).unwrap().parse().unwrap();
+        assert!((v - 0.375).abs() < 1e-6, "{file}: {v} m/s");
+    }
+    for (file, says) in [
+        ("time [ms],force [N]\n0,0\n1000,3\n", "`time` is in ms, expected s"),
+        ("time [s],force [kN]\n0,0\n1,3\n", "`force` is in kN, expected N"),
+        ("force,time\n0,0\n3,1\n", "the second column is `time`, expected the time first"),
+        ("t,x,y\n0,0,0\n1,3,0\n", "has 3 columns, expected two, time and value"),
+        ("0,0\n1,NaN\n", "`c2` has no number in row 2"),
+        ("0,0\n1\n", "f.csv:2:1: row has 1 cell, expected 2"),
+        ("0,0\n1,3\n1,4\n", "has times that do not ascend"),
+        ("", "f.csv:1:1: is empty"),
+    ] {
+        std::fs::write(at("f.csv"), file).unwrap();
+        let said = scree(&["check", text(&at("m.yaml"))]).fails(3);
+        assert!(said.contains("m.yaml:7:") && said.contains(says), "{file}: {said}");
+    }
+}
+
+/// What is warned of has the line of what is written; of defaults, that of what they are set against.
+#[test]
+fn doubts_about_a_model_have_their_lines() {
+    let work = scratch();
+    let model = work.path().join("m.yaml");
+    let said = |head: &str, position: f64| {
+        let of_balls = format!(
+            "{head}duration: 0.01\nmaterials: {{s: {{density: 2600, friction: 0.5}}}}\nbodies:\n\
+             \x20 - {{name: a, material: s, sphere: {{radius: 0.1}}}}\n\
+             \x20 - {{name: b, material: s, sphere: {{radius: 0.1}}, position: [{position}, 0, 0]}}\n"
+        );
+        std::fs::write(&model, of_balls).unwrap();
+        let answer = scree(&["check", text(&model)]);
+        answer.ok();
+        answer.errors()
+    };
+    let repeat = "frames repeat";
+    for (head, place) in [
+        ("name: balls\nframe_rate: 2000\n", "m.yaml:2:1: "),
+        ("name: balls\nstep: 0.05\n", "m.yaml:2:1: "),
+        ("name: balls\nstep: 0.05\nframe_rate: 25\n", "m.yaml:3:1: "),
+    ] {
+        let said = said(head, 1.0);
+        assert!(said.contains(place) && said.contains(repeat), "{head}: {said}");
+    }
+    let said = said("", 0.17);
+    assert!(said.contains("m.yaml:5:5: bodies `a` and `b` overlap by 3.000e-2 m at the start"), "{said}");
 }
 
 /// The image of a table by the metadata that `inspect` wrote for it.

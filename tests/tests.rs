@@ -52,6 +52,7 @@ mod rollers;
 mod runs;
 mod sheets;
 mod sides;
+mod signals;
 mod silence;
 mod sky;
 mod sleep;

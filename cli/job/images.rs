@@ -183,6 +183,13 @@ impl ImageJob {
         self.passes.iter_mut().for_each(|pass| pass.complete(run));
     }
 
+    /// The files of all images, in the order of the frames, whatever the order in which they are drawn.
+    pub fn images(&self) -> Vec<PathBuf> {
+        let mut frames = self.frames.clone();
+        frames.sort_unstable();
+        frames.into_iter().map(|frame| self.image(frame)).collect()
+    }
+
     /// The file of a frame's image.
     pub fn image(&self, frame: u64) -> PathBuf {
         let ending = match self.binding.output.format {
@@ -198,15 +205,24 @@ impl ImageJob {
 fn first_readable(source: &Source, frames: &[u64]) -> Outcome<Frame> {
     /// Frames that are looked at.
     const SOME: usize = 100;
-    let mut empty = None;
+    let (mut empty, mut fault) = (None, None);
     for frame in frames.iter().take(SOME) {
         match source.read(*frame) {
             Ok(table) if table.rows() > 0 => return Ok(table),
             Ok(table) => drop(empty.get_or_insert(table)),
-            Err(_) => {}
+            Err(first) => drop(fault.get_or_insert((*frame, first))),
         }
     }
-    empty.map_or_else(|| Ok(source.read(frames[0])?), Ok)
+    match (empty, fault) {
+        (Some(table), _) => Ok(table),
+        (None, Some((_, fault))) if frames.len() == 1 => Err(fault.into()),
+        (None, Some((frame, fault))) => {
+            let n = frames.len();
+            let none = if n > SOME { format!("none of the first {SOME} of {n}") } else { format!("none of the {n}") };
+            Err(Failure { message: format!("{none} frames can be read; frame {frame}: {fault}"), ..fault.into() })
+        }
+        (None, None) => Err(Failure::new(Exit::Data, "the data has no frames yet")),
+    }
 }
 
 /// The frames of a run that are not there yet, of those that the command line selects, or the metadata.

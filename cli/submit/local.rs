@@ -132,6 +132,8 @@ fn outcome(plan: &Plan, failures: &[String], skipped: usize) -> Outcome {
     }
     failures.iter().take(PRINTED).for_each(|failure| eprintln!("error: {failure}"));
     let after = if skipped > 0 { format!(", and {skipped} after them did not begin") } else { String::new() };
-    let message = format!("{} tasks failed{after}; `scree resume {}` goes on", failures.len(), plan.home.display());
+    let n = failures.len();
+    let tasks = if n == 1 { "task" } else { "tasks" };
+    let message = format!("{n} {tasks} failed{after}; `scree resume {}` goes on", plan.home.display());
     Err(Failure::new(Exit::Partial, message))
 }

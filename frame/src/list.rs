@@ -63,12 +63,14 @@ impl FrameList {
     pub fn select(&self, existing: &[u64]) -> Result<Vec<u64>, String> {
         let mut out: Vec<u64> = Vec::new();
         for Range { text, first, last, step } in &self.ranges {
-            if *last == Some(*first) && !existing.contains(first) {
+            // Only frames that exist are visited, so that a range of astronomic length costs nothing, and of these only the range's: a list
+            // may name every frame of a film.
+            let within = &existing[existing.partition_point(|f| f < first)..];
+            let within = &within[..last.map_or(within.len(), |last| within.partition_point(|f| *f <= last))];
+            if *last == Some(*first) && within.is_empty() {
                 return Err(format!("`{text}`: there is no frame {first}; the data has {}", describe(existing)));
             }
-            // Only frames that exist are visited, so that a range of astronomic length costs nothing.
-            let within = |f: u64| f >= *first && last.is_none_or(|last| f <= last) && (f - first).is_multiple_of(*step);
-            out.extend(existing.iter().copied().filter(|f| within(*f)));
+            out.extend(within.iter().copied().filter(|f| (f - first).is_multiple_of(*step)));
         }
         if out.is_empty() {
             return Err(format!("`{}` selects no frame that exists; the data has {}", self.text, describe(existing)));
@@ -154,5 +156,7 @@ mod tests {
         for absent in ["30", "25-30", "30x2"] {
             assert!(select(absent).is_err(), "{absent}");
         }
+        assert_eq!(select("19,18x1,0").unwrap(), [19, 18, 0]);
+        assert_eq!("2-9x3".parse::<FrameList>().unwrap().select(&[0, 2, 3, 7, 8, 11]).unwrap(), [2, 8]);
     }
 }
