@@ -184,7 +184,7 @@ pub fn check_warnings(folder: &Path) -> Outcome {
     let counts: Vec<String> = warnings.iter().map(count).collect();
     let is_motor = |w: &WarningEntry| w.kind == WarningKind::Motor.name();
     let advice = match warnings.iter().all(is_motor) {
-        true => "give the motor room, or drive it by a torque or a force",
+        true => "give the motor room, bound it by `max_torque` or `max_force`, or drive it by a torque or a force",
         false => "try a shorter step or more iterations",
     };
     let message = format!(
@@ -246,6 +246,10 @@ impl Observer for Console<'_> {
 
     fn warn(&mut self, warning: &Warning) {
         eprintln!("warning: {warning}; further warnings of this kind ({}) are counted", warning.kind.name());
+    }
+
+    fn note(&mut self, note: &Warning) {
+        eprintln!("note: {note}; this is said once in a run, of the first motor");
     }
 
     /// Write the metadata again from frames of the whole run: bodies may have appeared, and moved out of the image.

@@ -202,6 +202,27 @@ fn joints_carry_weight_and_let_go_what_they_leave_free() {
 }
 
 #[test]
+fn the_rate_before_any_step_is_that_of_the_state() {
+    let at_start = |kind: &str, motion: &str| {
+        let sim = simulation(&format!(
+            "materials: {{m: {{density: 1000, friction: 0.5}}}}
+bodies:
+  - {{name: body, shapes: [], mass: 2, inertia: [0.1, 0.2, 0.3], position: [0, 0, 0], {motion}}}
+joints:
+  - {{name: j, a: world, b: body, {kind}}}
+"
+        ));
+        let now = sim.state.joints[0];
+        assert!(now.force == glam::DVec3::ZERO && now.violation < 1e-12, "{kind}: {now:?}");
+        now.rate
+    };
+    close(at_start("kind: revolute", "angular_velocity: [0, 0, 3]"), 3.0, 1e-12, "a hinge");
+    close(at_start("kind: prismatic", "velocity: [0, 0, -0.5]"), -0.5, 1e-12, "a slide");
+    let rod = "kind: distance, position: [0, 0, 1], position_b: [0, 0, 0], limits: [0, 2]";
+    close(at_start(rod, "velocity: [0, 0, -0.5]"), 0.5, 1e-12, "a rope");
+}
+
+#[test]
 fn motors_springs_and_limits_do_what_they_say() {
     // A speed of 3 rad/s about z.
     let mut sim = on_joint("kind: revolute, motor: {speed: {ramp: {times: [0, 0.2], values: [0, 3]}}}", "");

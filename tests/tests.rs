@@ -34,6 +34,7 @@ mod light;
 mod looks;
 mod marks;
 mod mechanisms;
+mod motors;
 mod movies;
 mod outputs;
 mod overlays;

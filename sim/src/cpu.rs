@@ -106,7 +106,7 @@ impl Backend for Cpu {
             Stage::ContactSolve => self.contact_solve(model, plan, state),
             Stage::Integrate => {
                 let Cpu { joint_start, joints, limits, response, outcome, .. } = self;
-                joint_write::record(model, state, (joint_start, &joints.rows), limits, response, outcome);
+                joint_write::record(model, state, (joint_start, joints), limits, response, outcome);
                 integrate::run(model, &self.response.twist, &self.displacement, state);
             }
         }

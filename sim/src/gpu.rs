@@ -132,7 +132,7 @@ pub struct Gpu {
 enum Submitted {
     /// They are done, with these rounds of the solve, where it has rounds.
     Done(Option<Rounds>),
-    /// A limit of a joint holds or is let go with what the contacts do, or the step is another method's: it is to be done again.
+    /// A limit or a motor of a joint holds or is let go with what the contacts do, or the step is another method's: it is to be done again.
     Again,
     /// A sleeping body has woken: the step is to begin again.
     Woken,
@@ -529,10 +529,10 @@ impl Gpu {
             return Ok(Submitted::Again);
         }
         let rounds = self.solve.submit(&self.device, (solve, is_landing, self.holding.rounds()), times)?;
-        if self.mechanism.as_ref().is_some_and(Mechanism::has_limits) {
+        if self.mechanism.as_ref().is_some_and(Mechanism::has_bounds) {
             times.stages.push(measure.submit(&self.device)?);
         }
-        if let Some(mechanism) = self.mechanism.as_mut().filter(|mechanism| mechanism.has_limits())
+        if let Some(mechanism) = self.mechanism.as_mut().filter(|mechanism| mechanism.has_bounds())
             && let Some(has_grown) = mechanism.settle(&self.device, model, state)?
         {
             if has_grown {

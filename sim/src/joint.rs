@@ -52,9 +52,9 @@ pub enum JointKind {
 /// A motor, which drives a joint's coordinate: the angle about z of revolute and cylindrical, the distance along z of prismatic joints.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motor {
-    /// Prescribed rate of the coordinate, rad/s or m/s; the effort is unlimited.
+    /// Prescribed rate of the coordinate, rad/s or m/s, with any effort, or up to [`Joint::max_effort`].
     Speed(Function),
-    /// Prescribed coordinate, rad or m; the effort is unlimited.
+    /// Prescribed coordinate, rad or m; the same.
     Position(Function),
     /// Prescribed torque, N m, or force, N, on B along the coordinate, and its reaction on A.
     Effort(Function),
@@ -89,6 +89,8 @@ pub struct Joint {
     pub limits: Option<[f64; 2]>,
     /// Motor of the coordinate.
     pub motor: Option<Motor>,
+    /// Maximum torque, N m, or force, N, over time of a motor of prescribed rate or coordinate, at least 0; any effort without it.
+    pub max_effort: Option<Function>,
     /// Time from which it acts, s, inclusive.
     pub from: f64,
     /// Time until which it acts, s, exclusive.
@@ -152,6 +154,8 @@ pub struct JointState {
     pub force_before: DVec3,
     /// Constraint violation: the maximum |Ψ| of the joint's rows, locked and driven, m or rad.
     pub violation: f64,
+    /// Sign of the effort of a motor that was at its maximum; 0 otherwise.
+    pub motor_side: f64,
 }
 
 /// The force and coordinate of a spring in the last step.
@@ -317,8 +321,8 @@ impl Joint {
     }
 
     /// Append the rows of the locked motions and of a motor of prescribed rate or coordinate to `rows`. `f` are the frames at the step's
-    /// start, `known` is the joint's state in the last step, and `t` the time at the step's end, s.
-    pub fn rows(&self, f: &Frames, known: &JointState, t: f64, rows: &mut Vec<Row>) {
+    /// start, `known` is the joint's state in the last step, and `t` the time at the end of the step `h`, s.
+    pub fn rows(&self, f: &Frames, known: &JointState, (t, h): (f64, f64), rows: &mut Vec<Row>) {
         let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
         let axes = [x, y, z].map(|e| f.a.orientation * e);
         let first = rows.len();
@@ -343,11 +347,12 @@ impl Joint {
         }
         match (&self.motor, self.kind.coordinate()) {
             (Some(Motor::Speed(speed)), Some(c)) => {
-                rows.push(Row { psi: 0.0, rate: speed.at(t), ..self.free_row(f, c) });
+                let rate = self.rate_within_limits(speed.at(t), self.coordinate(f, known), h);
+                rows.push(Row { psi: 0.0, rate, ..self.free_row(f, c) });
             }
             (Some(Motor::Position(goal)), Some(c)) => {
                 let row = self.free_row(f, c);
-                rows.push(Row { psi: self.coordinate(f, known) - goal.at(t), ..row });
+                rows.push(Row { psi: self.coordinate(f, known) - self.within_limits(goal.at(t)), ..row });
             }
             (_, Some(c)) => {
                 let at = self.locked_at().into_iter();
@@ -366,13 +371,24 @@ impl Joint {
     pub fn error(&self, row: &Row, k: usize, n: usize, t: f64, t_end: f64) -> (f64, bool) {
         let is_last = k + 1 == n;
         let has_length = self.has_length() && k == 0;
-        let (prescribed, is_motor) = match &self.motor {
-            Some(Motor::Position(goal)) if is_last => (Some(goal), true),
-            Some(Motor::Speed(_)) if is_last => (None, true),
-            _ => (has_length.then_some(&self.length), false),
+        let (change, is_motor) = match &self.motor {
+            Some(Motor::Position(goal)) if is_last => (self.within_limits(goal.at(t_end)) - goal.at(t), true),
+            Some(Motor::Speed(_)) if is_last => (0.0, true),
+            _ if has_length => (self.length.at(t_end) - self.length.at(t), false),
+            _ => (0.0, false),
         };
-        let change = prescribed.map_or(0.0, |value| value.at(t_end) - value.at(t));
         ((row.psi + change).abs(), is_motor)
+    }
+
+    /// What a motor of any effort prescribes ends at the limits, which it cannot pass: it would tear the joint. With a maximum effort it presses.
+    fn within_limits(&self, goal: f64) -> f64 {
+        self.limits.filter(|_| self.max_effort.is_none()).map_or(goal, |[lo, hi]| goal.clamp(lo, hi))
+    }
+
+    /// The rate of a motor of prescribed rate and any effort, which ends at the limits within a step `h`, s, from a coordinate `at`, rad or m.
+    fn rate_within_limits(&self, rate: f64, at: f64, h: f64) -> f64 {
+        let limits = self.limits.filter(|_| self.max_effort.is_none());
+        limits.map_or(rate, |[lo, hi]| rate.clamp(((lo - at) / h).min(0.0), ((hi - at) / h).max(0.0)))
     }
 
     /// What the motor prescribes at a time `t`, s, and what the state `now` at that time has instead: rates, rad/s or m/s, or coordinates,
@@ -408,6 +424,41 @@ impl Joint {
             Some(c) => self.free_row(f, c).psi,
             None => 0.0,
         }
+    }
+
+    /// Maximum torque, N m, or force, N, at a time `t`, s, of a motor of prescribed rate or coordinate; none without one.
+    pub fn max_effort(&self, t: f64) -> Option<f64> {
+        let is_driven = matches!(self.motor, Some(Motor::Speed(_) | Motor::Position(_)));
+        self.max_effort.as_ref().filter(|_| is_driven).map(|most| most.at(t).max(0.0))
+    }
+
+    /// The rate, m/s or rad/s, that the motor prescribes from time `t` to `t_end`, s, and how far the coordinate is ahead of what it prescribes at
+    /// `t`, m or rad: 0 for a motor of prescribed rate. `row` is its row, with what is prescribed at `t_end`.
+    pub fn prescribed(&self, row: &Row, t: f64, t_end: f64) -> [f64; 2] {
+        match &self.motor {
+            Some(Motor::Position(goal)) => {
+                let way = goal.at(t_end) - goal.at(t);
+                [way / (t_end - t), row.psi + way]
+            }
+            _ => [row.rate, 0.0],
+        }
+    }
+
+    /// The state of the joint with the frames `f` at a time `t`, s, before any step, where its bodies have the velocities `motion`, world: no force is
+    /// known.
+    pub fn at_start(&self, f: &Frames, t: f64, motion: [Twist; 2]) -> JointState {
+        let coordinate = self.coordinate(f, &JointState::default());
+        let mut now = JointState { coordinate, ..JointState::default() };
+        if let Some(c) = self.kind.coordinate() {
+            now.rate = self.free_row(f, c).speed(motion[0], motion[1]);
+        }
+        if self.acts(t) {
+            let mut rows = vec![];
+            self.rows(f, &now, (t, 1.0), &mut rows);
+            let errors = rows.iter().enumerate().map(|(k, row)| self.error(row, k, rows.len(), t, t).0);
+            now.violation = errors.fold(0.0, f64::max);
+        }
+        now
     }
 
     /// Torque, N m, or force, N, of the motor on B along the coordinate at a time, s; 0 without a motor of prescribed effort.

@@ -49,6 +49,39 @@ impl Function {
         }
     }
 
+    /// The least value.
+    pub fn least(&self) -> f64 {
+        match self {
+            Function::Constant(x) => *x,
+            Function::Step { before: a, after: b, .. } | Function::Ramp { values: [a, b], .. } => a.min(*b),
+            Function::Sine { mean, amplitude, .. } => mean - amplitude.abs(),
+            Function::Table(points) => points.iter().map(|p| p[1]).fold(f64::INFINITY, f64::min),
+        }
+    }
+
+    /// The least and the greatest value between two times, s, of which the second may be infinite.
+    pub fn range(&self, [from, until]: [f64; 2]) -> [f64; 2] {
+        let is_within = |t: &f64| (from..until).contains(t);
+        let turns: Vec<f64> = match self {
+            Function::Constant(_) => vec![],
+            Function::Step { at, .. } => vec![*at],
+            Function::Ramp { times, .. } => times.to_vec(),
+            Function::Sine { frequency, phase, .. } => {
+                // The first two extrema from there on; sin(π − x) is sin x.
+                let phase = if *frequency < 0.0 { std::f64::consts::PI - phase } else { *phase };
+                let quarters = 4.0 * (frequency.abs() * from + phase / std::f64::consts::TAU);
+                let into = quarters.rem_euclid(2.0);
+                let first = if into <= 1.0 { 1.0 - into } else { 3.0 - into };
+                let time = |more: f64| from + (first + more) / (4.0 * frequency.abs());
+                if *frequency == 0.0 { vec![] } else { vec![time(0.0), time(2.0)] }
+            }
+            Function::Table(points) => points.iter().map(|p| p[0]).collect(),
+        };
+        let ends = [from, if until.is_finite() { until } else { from }];
+        let values = turns.into_iter().filter(is_within).chain(ends).map(|t| self.at(t));
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)])
+    }
+
     /// The greatest size of a rate of change, but for jumps, 1/s.
     pub fn steepest(&self) -> f64 {
         let slope = |[t, a]: [f64; 2], [u, b]: [f64; 2]| if u > t { (b - a).abs() / (u - t) } else { 0.0 };
@@ -139,5 +172,29 @@ mod tests {
         assert!((sine.at(1.0) - 3.0).abs() < 1e-12);
         let table = Table(vec![[0.0, 1.0], [1.0, 3.0], [2.0, 0.0]]);
         assert_eq!([-1.0, 0.5, 1.5, 9.0].map(|t| table.at(t)), [1.0, 2.0, 1.5, 0.0]);
+    }
+
+    #[test]
+    fn ranges_are_those_of_the_values_between_two_times() {
+        let close = |found: [f64; 2], expected: [f64; 2], what: &str| {
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{what}: {found:?}");
+        };
+        let sine = |frequency: f64, phase: f64| Sine { mean: 1.0, amplitude: 2.0, frequency, phase };
+        for (frequency, phase) in [(1.0, 0.0), (-1.0, std::f64::consts::PI)] {
+            close(sine(frequency, phase).range([0.0, f64::INFINITY]), [-1.0, 3.0], "all of a sine");
+            close(sine(frequency, phase).range([0.0, 0.5]), [1.0, 3.0], "its upper half");
+            close(sine(frequency, phase).range([0.5, 0.75]), [-1.0, 1.0], "a quarter of it");
+            close(sine(frequency, phase).range([0.25, 0.5]), [1.0, 3.0], "another");
+        }
+        close(sine(0.0, 0.0).range([0.0, 9.0]), [1.0, 1.0], "a sine of no frequency");
+        let ramp = Ramp { values: [0.0, 4.0], times: [1.0, 3.0] };
+        close(ramp.range([0.0, 2.0]), [0.0, 2.0], "half a ramp");
+        close(ramp.range([2.0, f64::INFINITY]), [2.0, 4.0], "the other half");
+        let table = Table(vec![[0.0, 1.0], [1.0, 5.0], [2.0, -1.0], [3.0, 0.0]]);
+        close(table.range([0.5, 1.5]), [2.0, 5.0], "a part of a table");
+        close(table.range([1.5, f64::INFINITY]), [-1.0, 2.0], "the rest of it");
+        let step = Step { before: 1.0, after: -3.0, at: 2.0 };
+        close(step.range([0.0, 2.0]), [-3.0, 1.0], "a step at the end");
+        assert_eq!([step.least(), step.greatest(), sine(1.0, 0.0).least(), table.least()], [-3.0, 3.0, -1.0, -1.0]);
     }
 }

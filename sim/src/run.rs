@@ -51,6 +51,8 @@ pub trait Observer {
     fn frame(&mut self, _written: u64) {}
     /// A step has the first warning of a kind in this run.
     fn warn(&mut self, _warning: &Warning) {}
+    /// A step has what is to be known of it and is no fault.
+    fn note(&mut self, _note: &Warning) {}
     /// The run is complete: all its frames are written.
     ///
     /// # Errors
@@ -361,6 +363,7 @@ impl<'a> Run<'a> {
                 let why = matter(&self.sim, broken);
                 return Err(self.end_early(EndKind::Diverged, why.clone(), divergence(&self.sim, &why, frame)));
             }
+            step.note.iter().for_each(|note| observer.note(note));
             for warning in &step.warnings {
                 self.warn(warning, frame, observer)?;
             }

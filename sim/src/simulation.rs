@@ -36,6 +36,8 @@ pub struct StepReport {
     pub stage_ms: [f64; Stage::ALL.len()],
     /// Warnings of the step.
     pub warnings: Vec<Warning>,
+    /// What is to be known of it and is no fault: the first motor in the run that does not reach what it prescribes with its maximum effort.
+    pub note: Option<Warning>,
     /// Reason why the run cannot go on; none if it can.
     pub broken: Option<Broken>,
 }
@@ -271,6 +273,7 @@ impl Simulation {
         let mut watch = std::mem::take(&mut state.watch);
         let survey = watched.unwrap_or_else(|| watch.survey(model, state));
         let (warnings, broken) = watch.check(model, state, (&outcome, &survey));
+        let note = watch.note(model, state);
         state.watch = watch;
         if let Some(speed) = model.solver.sleep
             && sleep::fall_asleep(model, state, speed)
@@ -293,6 +296,7 @@ impl Simulation {
             worst_penetration: outcome.worst_penetration,
             stage_ms,
             warnings,
+            note,
             broken,
         })
     }

@@ -111,14 +111,17 @@ pub struct WatchState {
     pub(crate) acting: Vec<bool>,
     /// Minimum energy since the last cause of growth, J.
     pub(crate) min_energy: f64,
-    /// Maximum energy, and maximum kinetic energy, since anything could take energy away, J; none in such a step.
-    pub(crate) kept: Option<[f64; 2]>,
+    /// Maximum energy and maximum kinetic energy, J, and the greatest turn of a body on joints in a step, rad, since anything could take energy
+    /// away; none in such a step.
+    pub(crate) kept: Option<[f64; 3]>,
     /// The least inradius of a shape that moves, m; none where it is not known yet.
     #[serde(skip)]
     pub(crate) inradius: Option<f64>,
     /// What is known of the loads.
     #[serde(default)]
     pub(crate) swings: Vec<Swing>,
+    /// Whether a motor has been said to be at its maximum effort.
+    pub(crate) has_noted: bool,
     /// Warnings so far, by kind, in order of their first step.
     pub warnings: Vec<WarningCount>,
 }

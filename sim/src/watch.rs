@@ -228,7 +228,10 @@ impl WatchState {
     fn joint(&self, model: &Model, state: &State, seen: &StepOutcome) -> Option<String> {
         let JointErrors { length, angle } = seen.joints;
         let named = |joint: usize| joint_label(model, &model.joints[joint]);
-        let too_fast = |joint: usize| turn_message(model, state, &model.joints[joint]);
+        let too_fast = |joint: usize| {
+            let joint = &model.joints[joint];
+            turn_message(model, state, joint) + pull_message(joint)
+        };
         let bound = JOINT_ERROR * self.diagonal;
         if length.1 > bound {
             let of = "a thousandth of the initial bounding box's diagonal";
@@ -242,13 +245,30 @@ impl WatchState {
         })
     }
 
-    /// The motor that is farthest from what it prescribes, of those beyond their bounds.
+    /// Say of the first motor that does not reach what it prescribes with its maximum effort that it does not: once in a run, since that is what it is
+    /// asked for.
+    pub fn note(&mut self, model: &Model, state: &State) -> Option<Warning> {
+        if self.has_noted || model.joints.iter().all(|joint| joint.max_effort.is_none()) {
+            return None;
+        }
+        let message = self.lag(model, state, true)?;
+        self.has_noted = true;
+        Some(Warning { kind: WarningKind::Motor, step: state.steps, time: state.time, message })
+    }
+
+    /// The motor without a maximum effort that is farthest from what it prescribes, of those beyond their bounds.
     fn motor(&self, model: &Model, state: &State) -> Option<String> {
+        self.lag(model, state, false)
+    }
+
+    /// The motor that is farthest from what it prescribes, of those beyond their bounds that have a maximum effort, or have none.
+    fn lag(&self, model: &Model, state: &State, has_most: bool) -> Option<String> {
         let started = state.time - model.step;
         let of = |(joint, now): (&Joint, &JointState)| {
             let moves = joint.bodies.iter().any(|b| state.moves(*b as usize));
             let is_present = moves && !joint.bodies.iter().any(|b| state.is_inactive(*b as usize));
-            let [goal, is] = joint.driven(now, state.time).filter(|_| is_present && joint.acts(started))?;
+            let is_meant = is_present && joint.acts(started) && joint.max_effort.is_some() == has_most;
+            let [goal, is] = joint.driven(now, state.time).filter(|_| is_meant)?;
             let is_rate = matches!(joint.motor, Some(Motor::Speed(_)));
             let is_angle = joint.kind.coordinate() == Some(Coordinate::Angle);
             let scale = if is_angle { JOINT_ANGLE } else { JOINT_ERROR * self.diagonal };
@@ -258,7 +278,7 @@ impl WatchState {
             let slow = if goal.abs() < SLOWEST * drift { drift } else { slow };
             let bound = if is_rate { fast.max(drift.min(slow)) } else { scale };
             let excess = (is - goal).abs() / bound;
-            (excess > 1.0).then(|| (excess, lag_message(model, joint, now, [goal, is], bound)))
+            (excess > 1.0).then(|| (excess, lag_message(model, joint, (now, state.time), [goal, is], bound)))
         };
         let lags = model.joints.iter().zip(&state.joints).filter_map(of);
         lags.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, message)| message)
@@ -304,10 +324,12 @@ impl WatchState {
     }
 
     /// Energy that is lost while nothing but joints without limits acts, which take none: where the step does not resolve how fast the links of a
-    /// mechanism move, as when it passes a straight line.
+    /// mechanism turn, as when it passes a straight line. What hardly turns has lost it as joints without slack came taut, which is an impact.
     fn lost_energy(&mut self, model: &Model, state: &State, survey: &Survey, is_caused: bool) -> Option<String> {
         /// Steps of free fall whose speed is that of the start, when links begin to carry.
         const START: f64 = 30.0;
+        /// Turn in a step that it resolves, rad.
+        const RESOLVED: f64 = 0.03;
         let can_lose = is_caused
             || model.joints.is_empty()
             || !model.springs.is_empty()
@@ -319,17 +341,23 @@ impl WatchState {
             return None;
         }
         let energy = survey.kinetic + survey.potential;
-        let [most, fastest] = self.kept.unwrap_or([f64::NEG_INFINITY, 0.0]);
+        let [most, fastest, turned] = self.kept.unwrap_or([f64::NEG_INFINITY, 0.0, 0.0]);
+        let on_joints = model.joints.iter().flat_map(|joint| joint.bodies);
+        let rates = on_joints.map(|b| state.angular_velocity[b as usize].length());
+        let turned = (model.step * rates.fold(0.0, f64::max)).max(turned);
         let (most, fastest) = (most.max(energy - survey.oscillation), fastest.max(survey.kinetic));
-        self.kept = Some([most, fastest]);
+        self.kept = Some([most, fastest, turned]);
         let slow = START * residual_bound(model);
         let loss = most - energy - survey.oscillation;
         if !(loss > ENERGY_LOSS * fastest + 0.5 * survey.mass * slow * slow) {
             return None;
         }
         self.kept = None;
+        if turned < RESOLVED {
+            return None;
+        }
         Some(format!(
-            "energy has fallen by {loss:.3e} J although nothing but joints acts, the maximum kinetic energy was {fastest:.3e} J: the step is too long for how fast links turn"
+            "energy has fallen by {loss:.3e} J although nothing but joints acts, the maximum kinetic energy was {fastest:.3e} J: the step is too long for how fast links turn, by up to {turned:.2} rad in it"
         ))
     }
 
@@ -420,21 +448,28 @@ fn energy_by_size(model: &Model, state: &State) -> f64 {
     model.gravity.length() * free.map(size).sum::<f64>()
 }
 
-/// Message about a motor that prescribes `goal` where the joint has `is`, beyond `bound`; says whether the joint is at a limit.
-fn lag_message(model: &Model, joint: &Joint, now: &JointState, [goal, is]: [f64; 2], bound: f64) -> String {
+/// Message about a motor that prescribes `goal` where the joint has `is` at time `t`, s, beyond `bound`; says what the motor gives at most, or how to
+/// bound that, and whether the joint is at a limit.
+fn lag_message(model: &Model, joint: &Joint, (now, t): (&JointState, f64), [goal, is]: [f64; 2], bound: f64) -> String {
     let is_angle = joint.kind.coordinate() == Some(Coordinate::Angle);
     let (what, per) = match joint.motor {
         Some(Motor::Speed(_)) => ("rate", "/s"),
         _ => ("coordinate", ""),
     };
-    let unit = if is_angle { "rad" } else { "m" };
+    let (unit, effort, key) = if is_angle { ("rad", "N m", "max_torque") } else { ("m", "N", "max_force") };
     let near = 2.0 * model.step * now.rate.abs() + if is_angle { JOINT_ANGLE } else { 1e-3 };
     let limit = joint.limits.and_then(|l| l.into_iter().find(|l| (now.coordinate - l).abs() <= near));
     let limit = limit.map_or(String::new(), |l| format!("; the joint is at its limit of {l} {unit}"));
     let named = joint_label(model, joint);
-    format!(
-        "the motor of {named} does not reach what it prescribes: the {what} is {is:.3e} {unit}{per} instead of {goal:.3e} {unit}{per}, off by more than {bound:.3e} {unit}{per}{limit}"
-    )
+    let off = format!("the {what} is {is:.3e} {unit}{per} instead of {goal:.3e} {unit}{per}");
+    match joint.max_effort(t - 0.5 * model.step) {
+        Some(most) => format!(
+            "the motor of {named} does not reach what it prescribes with its `{key}` of {most:.3e} {effort}: {off}{limit}"
+        ),
+        None => format!(
+            "the motor of {named} does not reach what it prescribes: {off}, off by more than {bound:.3e} {unit}{per}{limit}; a `{key}` would bound what it gives"
+        ),
+    }
 }
 
 /// What is to be said of a joint on which a body turns too far in a step: how far, and a step that resolves it; nothing of others.
@@ -448,6 +483,16 @@ fn turn_message(model: &Model, state: &State, joint: &Joint) -> String {
         "; body {} turns by {turn:.2} rad in a step: take steps of {step:.1e} s, or a lower speed",
         label(model, *body)
     )
+}
+
+/// What is to be said of a joint whose motor may pull it apart.
+fn pull_message(joint: &Joint) -> &'static str {
+    let is_driven = matches!(joint.motor, Some(Motor::Speed(_) | Motor::Position(_))) && joint.max_effort.is_none();
+    match joint.kind.coordinate().filter(|_| is_driven) {
+        Some(Coordinate::Angle) => "; its motor gives any torque that it needs: `max_torque` bounds it",
+        Some(_) => "; its motor gives any force that it needs: `max_force` bounds it",
+        None => "",
+    }
 }
 
 fn joint_label(model: &Model, joint: &Joint) -> String {

@@ -5,8 +5,8 @@
 //! freely from there, and the energy of a mechanism neither grows nor falls in the mean. One such solve, or two, would not do: what is left
 //! has a sign, and energy grows by it without end (that of a slider-crank that turns by 0.18 rad in a step doubles within seconds).
 //! Where solves do not come nearer, as where links turn by half a radian in a step, or a chain without slack is stiff by its compliance alone,
-//! the rows stay linear for the step, by which energy is lost. So they do where geometric stiffness acts, and where the
-//! bodies on joints are light links under heavy loads. Rates that motors prescribe, springs and geometric stiffness are always linear.
+//! the rows stay linear for the step, by which energy is lost. So they do where the bodies on joints are light links under heavy loads. Rates that
+//! motors prescribe, motors with a maximum effort, springs and geometric stiffness are always linear.
 //! Source: Ryckaert, Ciccotti and Berendsen, *Numerical integration of the Cartesian equations of motion of a system with constraints* (1977).
 
 use super::integrate::moved_pose;
@@ -139,7 +139,7 @@ impl Arcs {
             let pose = |b: u32| if state.moves(b as usize) { poses[b as usize] } else { state.pose(b as usize) };
             let frames = Frames::of(joint.bodies.map(pose), &joint.frame_a, &joint.frame_b);
             let mut ends = Vec::with_capacity(out.len());
-            joint.rows(&frames, &state.joints[i], state.time + h, &mut ends);
+            joint.rows(&frames, &state.joints[i], (state.time + h, h), &mut ends);
             let first = start[i] as usize;
             for (k, (out, end)) in out.iter_mut().zip(&ends).enumerate().take(n_bent(joint, ends.len())) {
                 let row = &joints.rows[first + k];
@@ -167,12 +167,17 @@ impl Arcs {
 /// Whether joints have rows that may bend.
 fn bends(linear: &Linear) -> bool {
     let has_rows = linear.start.len() > 1 && linear.start[linear.start.len() - 1] > 0;
-    has_rows && !linear.joints.is_stiff
+    has_rows && !linear.joints.is_light
 }
 
-/// The number of rows of `n` of a joint that bend: a prescribed rate is one at the start.
+/// The number of rows of `n` of a joint that bend: a prescribed rate is one at the start, and so is that at which a motor with a maximum effort
+/// comes to its coordinate.
 fn n_bent(joint: &Joint, n: usize) -> usize {
-    if matches!(joint.motor, Some(Motor::Speed(_))) { n - 1 } else { n }
+    match joint.motor {
+        Some(Motor::Speed(_)) => n - 1,
+        Some(Motor::Position(_)) if joint.max_effort.is_some() => n - 1,
+        _ => n,
+    }
 }
 
 /// The speed that two bodies have by turning, at the arms of a row, and against each other.

@@ -75,6 +75,21 @@ pub struct Columns<'a> {
     pub displacement: &'a mut Displacement,
 }
 
+impl Columns<'_> {
+    /// The same columns for one more solve.
+    fn again(&mut self) -> Columns<'_> {
+        Columns {
+            masses: self.masses,
+            free: self.free,
+            joints: self.joints,
+            joint_start: self.joint_start,
+            limits: self.limits,
+            response: self.response,
+            displacement: self.displacement,
+        }
+    }
+}
+
 /// The stage's own columns, which keep their memory from step to step.
 #[derive(Default)]
 pub struct Workspace {
@@ -89,11 +104,46 @@ pub struct Workspace {
 }
 
 /// The stage. Returns the solver's outcome, and the bodies of the block with the maximum residual where the step's is above
-/// [`residual_bound`].
+/// [`residual_bound`]. Where motors come to their maximum effort, or from it to their rate, the step is solved again.
 pub fn run(
     model: &Model,
     plan: &StepPlan,
     state: &State,
+    contacts: &mut Contacts,
+    mut columns: Columns,
+    work: &mut Workspace,
+) -> (Outcome, Option<[u32; 2]>) {
+    /// Rounds in which all motors may change; later ones, of which there are twice as many as motors, have the first alone change.
+    const ROUNDS: usize = 6;
+    let n_motors = columns.joints.motors.len();
+    if n_motors == 0 {
+        return solve_once((model, plan, state), contacts, columns, work);
+    }
+    let bias = columns.joints.bias.clone();
+    let psi: Vec<f64> = columns.limits.rows.iter().map(|row| row.psi).collect();
+    let mut iterations = 0;
+    for round in 1.. {
+        let (mut outcome, worst) = solve_once((model, plan, state), contacts, columns.again(), work);
+        iterations += outcome.iterations;
+        outcome.iterations = iterations;
+        let mut wrong = columns.joints.wrong_motors(columns.masses, columns.response, 0.0);
+        if wrong.is_empty() || round > ROUNDS + 2 * n_motors {
+            return (outcome, worst);
+        }
+        if round > ROUNDS {
+            wrong.truncate(1);
+        }
+        columns.joints.motors.set(&wrong);
+        // The arcs are others.
+        columns.joints.bias.clone_from(&bias);
+        columns.limits.rows.iter_mut().zip(&psi).for_each(|(row, psi)| row.psi = *psi);
+    }
+    unreachable!("the rounds have an end")
+}
+
+/// Solve with the motors as they are.
+fn solve_once(
+    (model, plan, state): (&Model, &StepPlan, &State),
     contacts: &mut Contacts,
     Columns { masses, free, joints, joint_start, limits, response, displacement }: Columns,
     work: &mut Workspace,

@@ -13,6 +13,7 @@
 use super::geometric_stiffness::{Stiffness, Target, has_light_links};
 use super::masses::Masses;
 use super::solve::joints::Joints;
+use super::solve::motors::Motor;
 use super::solve::response::Response;
 use crate::joint::{Coordinate, Frames, Joint, JointState, Row, Spring, SpringState};
 use crate::model::Model;
@@ -64,6 +65,7 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
     start.clear();
     joints.rows.clear();
     joints.bias.clear();
+    joints.motors.start(h);
     *limits = Limits::default();
     let frames: Vec<Option<Frames>> =
         model.joints.iter().map(|joint| joint_acts(state, joint).then(|| state.joint_frames(joint))).collect();
@@ -71,9 +73,24 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
         let first = joints.rows.len();
         start.push(first as u32);
         let Some(f) = f else { continue };
-        joint.rows(f, &state.joints[i], end, &mut joints.rows);
+        joint.rows(f, &state.joints[i], (end, h), &mut joints.rows);
         let bound = model.solver.recovery_speed.max(1.0);
         joints.bias.extend(joints.rows[first..].iter().map(|r| (r.psi / h).clamp(-bound / h, bound / h) - r.rate));
+        if let Some(most) = joint.max_effort(state.time + 0.5 * h) {
+            let row = joints.rows.len() - 1;
+            let [rate, ahead] = joint.prescribed(&joints.rows[row], state.time, end);
+            let motor = Motor {
+                joint: i as u32,
+                row: row as u32,
+                most: h * most,
+                rate,
+                ahead,
+                side: state.joints[i].motor_side,
+                aim: rate,
+            };
+            let row = &joints.rows[row];
+            joints.motors.push(motor, (masses.response(row), row.speed_in(free)));
+        }
         let limits_of = joint.limits.filter(|_| joint.locked_at().is_none());
         if let (Some([min, max]), Some(c)) = (limits_of, joint.kind.coordinate()) {
             let at = joint.coordinate(f, &state.joints[i]);
@@ -119,7 +136,7 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
     if is_stiff || state.steps == 0 {
         follow((model, state, &frames), &mut stiffness, start, Target { masses, free, joints });
     }
-    joints.is_stiff = stiffness.is_light || stiffness.acts();
+    joints.is_light = stiffness.is_light;
 }
 
 /// Let the stiffness follow the forces of the step itself, as they are without contacts.
@@ -190,7 +207,7 @@ fn are_present(state: &State, bodies: [u32; 2]) -> bool {
 pub fn record(
     model: &Model,
     state: &mut State,
-    (start, all_rows): (&[u32], &[Row]),
+    (start, joints): (&[u32], &Joints),
     limits: &Limits,
     response: &Response,
     outcome: &mut StepOutcome,
@@ -209,11 +226,12 @@ pub fn record(
         }
         let f = state.joint_frames(joint);
         let range = start[i] as usize..start[i + 1] as usize;
-        let (rows, lambda) = (&all_rows[range.clone()], &response.lambda[range]);
+        let (rows, lambda) = (&joints.rows[range.clone()], &response.lambda[range]);
         let known = state.joints[i];
         let mut now = JointState {
             coordinate: joint.coordinate(&f, &known),
             force_before: known.force_world,
+            motor_side: joints.motors.of_joint(i as u32).map_or(0.0, |motor| motor.side),
             ..JointState::default()
         };
         if let Some(c) = joint.kind.coordinate() {

@@ -7,7 +7,8 @@
 //! inout  joints, springs        of the state
 //! The joints hold on the arcs of the step ([`super::arcs`]): as those are without contacts, for these, and at its end with them.
 //! Limits of joints that hold are rows of the joints, which [`Mechanism::settle`] finds by rounds: what a row would pull is let go, and what
-//! passes its limit is held.
+//! passes its limit is held. So are motors that reach their maximum effort let go, and held where they come to their rate
+//! ([`super::solve::motors`]).
 //! The stages are those of the CPU back end: `force`, `joint_write`, the elimination of `solve::joints`, `integrate`.
 
 use super::arcs::{Arcs, Linear};
@@ -42,7 +43,7 @@ pub struct Mechanism {
     held: Vec<bool>,
     /// First row of a limit.
     first_limit: usize,
-    /// Rounds of this step, in which limits have changed.
+    /// Rounds of this step, in which limits or motors have changed.
     rounds: usize,
     /// Velocities with joints (n_bodies; of these bodies alone).
     response: Response,
@@ -136,15 +137,15 @@ impl Mechanism {
         is_new
     }
 
-    /// Whether there are limits that may be met in the step.
-    pub fn has_limits(&self) -> bool {
-        !self.limits.rows.is_empty()
+    /// Whether there are limits that may be met in the step, or motors with a maximum effort.
+    pub fn has_bounds(&self) -> bool {
+        !self.limits.rows.is_empty() || !self.joints.motors.is_empty()
     }
 
-    /// Let go of the limits that would pull with what the contacts do, and hold those that would be passed. Returns whether there are such,
-    /// so that the contacts are to be solved again, and whether the structure of the factor is another.
+    /// Let go of the limits that would pull with what the contacts do, and hold those that would be passed; the same of motors, which would give more
+    /// than their maximum or go beyond their rate. Returns whether there are such, so that the contacts are to be solved again, and whether the structure of the factor is another.
     pub fn settle(&mut self, model: &Model, effects: &[Effect]) -> Option<bool> {
-        /// Rounds in which all limits may change; later ones, of which there are twice as many as limits, have the first alone change.
+        /// Rounds in which all may change; later ones, of which there are twice as many as limits and motors, have the first alone change.
         const ROUNDS: usize = 6;
         /// A rate that is rounding, over that of the mechanism.
         const ROUNDING: f64 = 1e-6;
@@ -167,13 +168,17 @@ impl Mechanism {
             };
             wrong.extend(is_wrong.then_some(k));
         }
+        let mut motors = self.joints.wrong_motors(&self.masses, &self.response, ROUNDING * fastest);
         if self.rounds > ROUNDS {
             wrong.truncate(1);
+            motors.truncate(1 - wrong.len());
         }
-        if wrong.is_empty() || self.rounds > ROUNDS + 2 * self.limits.rows.len() {
+        let n = self.limits.rows.len() + self.joints.motors.len();
+        if wrong.is_empty() && motors.is_empty() || self.rounds > ROUNDS + 2 * n {
             return None;
         }
         wrong.into_iter().for_each(|k| self.held[k] = !self.held[k]);
+        self.joints.motors.set(&motors);
         Some(self.hold(model))
     }
 
@@ -233,7 +238,7 @@ impl Mechanism {
             self.keep_angular_momentum(effects, 0.5 * share * model.step);
         }
         self.keep_limits();
-        let rows = (&self.joint_start[..], &self.joints.rows[..]);
+        let rows = (&self.joint_start[..], &self.joints);
         joint_write::record(model, state, rows, &self.limits, &self.response, outcome);
         for b in self.bodies.iter().map(|b| *b as usize) {
             let (motion, inverse, h) = (&self.response.twist[b], model.inv_inertia[b], model.step);

@@ -23,6 +23,7 @@ pub mod joints;
 pub mod lorentz;
 mod manifold_group;
 mod method;
+pub mod motors;
 pub mod operator;
 pub mod overlaps;
 mod packed;

@@ -135,12 +135,13 @@ impl Mechanism {
         Ok(())
     }
 
-    /// Whether limits may be met in the step, so that what the contacts do is to be measured before its end.
-    pub fn has_limits(&self) -> bool {
-        self.own.has_limits()
+    /// Whether limits may be met in the step, or motors have a maximum effort, so that what the contacts do is to be measured before its end.
+    pub fn has_bounds(&self) -> bool {
+        self.own.has_bounds()
     }
 
-    /// Hold the limits that would be passed with what the contacts do, and let go of those that would pull. Returns whether there are such, so
+    /// Hold the limits that would be passed with what the contacts do, and let go of those that would pull, and the same of motors with a maximum
+    /// effort. Returns whether there are such, so
     /// that the step is to be done again, and whether a buffer has grown.
     ///
     /// # Errors

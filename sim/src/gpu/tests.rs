@@ -3,6 +3,7 @@
 mod given;
 mod joints;
 mod long;
+mod motors;
 mod probes;
 mod solids;
 mod surfaces;

@@ -14,7 +14,7 @@ use super::{Probes, Resolved};
 use crate::checkpoint;
 use crate::contacts::Contacts;
 use crate::geometry::{Surface, principal, solid_of};
-use crate::joint::{Joint, JointKind, JointState, Motor, Spring, SpringKind, SpringState};
+use crate::joint::{Joint, JointKind, Motor, Spring, SpringKind, SpringState};
 use crate::load::{Function, Load};
 use crate::sleep;
 use crate::terrain::Ground;
@@ -437,8 +437,8 @@ impl<'a> Builder<'a> {
     fn joint_states(&mut self) {
         for j in &self.model.joints {
             let f = self.state.joint_frames(j);
-            let coordinate = j.coordinate(&f, &JointState::default());
-            self.state.joints.push(JointState { coordinate, ..JointState::default() });
+            let motion = j.bodies.map(|b| self.state.twist(b as usize));
+            self.state.joints.push(j.at_start(&f, 0.0, motion));
         }
         for s in &self.model.springs {
             let f = self.state.spring_frames(s);

@@ -10,6 +10,7 @@
 //!
 //! C has the compliance of springs, and for rigid rows a small fraction of the diagonal, which regularises redundant rows.
 
+use super::motors::{Motor, Motors};
 use super::response::Response;
 use super::sparse::{self, Factor, Front, Structure};
 use crate::cpu::masses::Masses;
@@ -30,8 +31,10 @@ pub struct Joints {
     pub rows: Vec<Row>,
     /// `Ψ/h + ∂Ψ/∂t` and the terms of springs, m/s or rad/s (n_rows).
     pub bias: Vec<f64>,
-    /// Whether geometric stiffness acts on their bodies in the step, or these are light links under heavy loads.
-    pub is_stiff: bool,
+    /// Whether their bodies are light links under heavy loads.
+    pub is_light: bool,
+    /// Motors with a maximum effort.
+    pub motors: Motors,
     /// Whether a body has rows (n_bodies).
     is_held: Vec<bool>,
     pattern: Pattern,
@@ -109,6 +112,7 @@ impl Joints {
             self.analyse(masses);
             self.is_new = true;
         }
+        self.motors.soften(&mut self.rows, masses);
         let Joints { rows, pattern, factor, softness, .. } = self;
         softness.clear();
         let mut largest = f64::MIN_POSITIVE;
@@ -120,6 +124,42 @@ impl Joints {
             on_diagonal[*place as usize] = softness[softness.len() - 1];
         }
         factor.factorise(1e-14 * largest, |front, element, first| pattern.fill(front, element, first, rows, masses));
+        if !self.motors.is_empty() {
+            self.aim(masses);
+        }
+    }
+
+    /// Let motors with a maximum effort aim at what they can reach.
+    fn aim(&mut self, masses: &Masses) {
+        let mut motors = std::mem::take(&mut self.motors);
+        motors.aim(|motor, scratch| self.response_along(masses, motor, scratch));
+        motors.set_bias(&self.rows, &mut self.bias);
+        self.motors = motors;
+    }
+
+    /// The rate that a unit impulse of a motor gives its joint, with all other rows, 1/kg or 1/(kg m²).
+    fn response_along(&mut self, masses: &Masses, motor: &Motor, scratch: &mut Response) -> f64 {
+        let row = motor.row as usize;
+        if !motor.is_free() {
+            // It is the reciprocal of the row's entry on the diagonal of S⁻¹.
+            let (rhs, place) = (self.factor.rows(), self.pattern.place[row] as usize);
+            rhs.fill(0.0);
+            rhs[place] = 1.0;
+            self.factor.solve();
+            return (1.0 / self.factor.rows()[place] - self.softness[row]).max(0.0);
+        }
+        scratch.twist.resize(masses.inv_mass.len(), Twist::default());
+        self.rows.iter().flat_map(|row| row.bodies).for_each(|b| scratch.twist[b as usize] = Twist::default());
+        masses.apply_row_impulse(&mut scratch.twist, &self.rows[row], 1.0);
+        self.reset(scratch);
+        self.solve_at_rest(masses, scratch);
+        self.rows[row].speed_in(&scratch.twist).max(0.0)
+    }
+
+    /// The motors that are on the wrong side of their maximum effort in a response, and the sides of these; errors of rates of up to `error`, m/s
+    /// or rad/s, are not seen.
+    pub fn wrong_motors(&self, masses: &Masses, response: &Response, error: f64) -> Vec<(usize, f64)> {
+        self.motors.wrong(&self.rows, masses, response, error)
     }
 
     /// Whether the structure of the factor is another than when this was last asked.

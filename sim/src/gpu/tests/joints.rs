@@ -19,7 +19,7 @@ pub fn resolved(text: String) -> (Model, State) {
 }
 
 /// Step a model on both back ends; both in this order, none without a device.
-fn both(model: &Model, state: &State, n: usize) -> Option<[Simulation; 2]> {
+pub fn both(model: &Model, state: &State, n: usize) -> Option<[Simulation; 2]> {
     let mut own = on_device(model, state)?;
     let mut cpu = Simulation::new(model.clone(), state.clone());
     for _ in 0..n {
@@ -33,7 +33,7 @@ fn both(model: &Model, state: &State, n: usize) -> Option<[Simulation; 2]> {
 }
 
 /// Greatest difference of the reactions of joints, over the greatest.
-fn reactions([own, cpu]: &[Simulation; 2]) -> f64 {
+pub fn reactions([own, cpu]: &[Simulation; 2]) -> f64 {
     let pairs = || own.state.joints.iter().zip(&cpu.state.joints);
     let most = pairs().map(|(_, b)| b.force_world.length()).fold(1e-9, f64::max);
     pairs().map(|(a, b)| (a.force_world - b.force_world).length()).fold(0.0, f64::max) / most

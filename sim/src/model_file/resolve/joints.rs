@@ -100,14 +100,7 @@ impl Builder<'_> {
             );
         }
         let long = matches!(file.kind, JointKind::Distance | JointKind::RevoluteSpherical);
-        let length = match &file.length {
-            Some(f) if long => self.function(&at("length"), f)?,
-            Some(_) => return Err(doc.fault(&at("length"), "is only for distance and revolute_spherical joints")),
-            None => Function::Constant((pb - pa).length()),
-        };
-        if file.length.is_some() && file.limits.is_some() {
-            return Err(doc.fault(&at("limits"), "bound the length that `length` gives: expected one of the two"));
-        }
+        let length = self.length(key, file, (long, (pb - pa).length()))?;
         // A rope may begin anywhere within its length.
         let is_rope = file.kind == JointKind::Distance && file.limits.is_some() && file.motor.is_none();
         if long && !is_rope && !(length.at(0.0) > 0.0) {
@@ -119,15 +112,19 @@ impl Builder<'_> {
         }
         let [from, until] = self.interval(key, file.from, file.until, begins)?;
         self.check_plane(key, file, (pb - pa, z), from <= 0.0)?;
-        let motor = match &file.motor {
-            Some(m) => Some(self.motor(&at("motor"), file.kind, m)?),
-            None => None,
+        let (motor, max_effort) = match &file.motor {
+            Some(m) => (Some(self.motor(&at("motor"), file.kind, m)?), self.max_effort(&at("motor"), file.kind, m)?),
+            None => (None, None),
         };
         let orientation_b = self.shaft(key, file, orientation)?;
         let limits = file.limits.map(|limits| {
             let begins_at = if long { (pb - pa).length() } else { 0.0 };
             self.limits(&at("limits"), file.kind, limits, (from <= 0.0).then_some(begins_at))
         });
+        let limits = limits.transpose()?;
+        if let (Some(Motor::Position(motion)), Some(limits), None) = (&motor, limits, &max_effort) {
+            self.check_reach(&at("motor"), file.kind, (motion.range([from, until]), limits));
+        }
         let joint = Joint {
             name: file.name.clone(),
             kind: file.kind,
@@ -135,8 +132,9 @@ impl Builder<'_> {
             frame_a: self.in_body(bodies[0], Pose { position: pa, orientation }),
             frame_b: self.in_body(bodies[1], Pose { position: pb, orientation: orientation_b }),
             length,
-            limits: limits.transpose()?,
+            limits,
             motor,
+            max_effort,
             from,
             until,
         };
@@ -146,6 +144,20 @@ impl Builder<'_> {
             self.exclusions.push([bodies[0].min(bodies[1]), bodies[0].max(bodies[1])]);
         }
         Ok(())
+    }
+
+    /// Length over time of a joint, m, that is `now` at the start; of those that are not `long` it has no meaning.
+    fn length(&self, key: &str, file: &JointFile, (long, now): (bool, f64)) -> Result<Function, Fault> {
+        let at = |part: &str| format!("{key}.{part}");
+        let length = match &file.length {
+            Some(f) if long => self.function(&at("length"), f)?,
+            Some(_) => return Err(self.doc.fault(&at("length"), "is only for distance and revolute_spherical joints")),
+            None => Function::Constant(now),
+        };
+        if file.length.is_some() && file.limits.is_some() {
+            return Err(self.doc.fault(&at("limits"), "bound the length that `length` gives: expected one of the two"));
+        }
+        Ok(length)
     }
 
     /// Check that the point on B, `way` from that on A, is in the plane through that on A across `z` of a joint that keeps it there; that of
@@ -208,6 +220,52 @@ impl Builder<'_> {
                 Err(doc.fault(key, format!("needs exactly one of `speed`, `motion` and `{effort}`")))
             }
         }
+    }
+
+    /// Maximum torque, N m, or force, N, over time of a motor.
+    fn max_effort(&self, key: &str, kind: JointKind, m: &MotorFile) -> Result<Option<Function>, Fault> {
+        let doc = self.doc;
+        let (own, other, moves) = match kind {
+            JointKind::Prismatic => (("max_force", &m.max_force), ("max_torque", &m.max_torque), "slides"),
+            _ => (("max_torque", &m.max_torque), ("max_force", &m.max_force), "turns"),
+        };
+        if other.1.is_some() {
+            let unlike = if moves == "turns" { "slides" } else { "turns" };
+            let message = format!("is for what {unlike}");
+            return Err(doc
+                .fault(&format!("{key}.{}", other.0), message)
+                .hint(format!("a motor that {moves} has a `{}`", own.0)));
+        }
+        let Some(file) = own.1 else { return Ok(None) };
+        let key = format!("{key}.{}", own.0);
+        if let Some(given) = m.torque.as_ref().map(|_| "torque").or(m.force.as_ref().map(|_| "force")) {
+            return Err(doc
+                .fault(&key, "is for motors by `speed` or `motion`")
+                .hint(format!("one by `{given}` gives what that says")));
+        }
+        let most = self.function(&key, file)?;
+        let least = most.least();
+        if least < 0.0 {
+            let message = format!("goes down to {least}, expected a size, which is not negative");
+            return Err(doc.fault(&key, message).hint("it bounds the motor in both directions"));
+        }
+        Ok(Some(most))
+    }
+
+    /// Warn of a motor by `motion` without a maximum that goes beyond the limits of its joint, rad or m.
+    fn check_reach(&mut self, key: &str, kind: JointKind, (motion, limits): ([f64; 2], [f64; 2])) {
+        let is_angle = kind != JointKind::Prismatic;
+        let is_beyond = motion[0] < limits[0] - ROUNDING || motion[1] > limits[1] + ROUNDING;
+        if !is_beyond {
+            return;
+        }
+        let (unit, most) = if is_angle { ("rad", "max_torque") } else { ("m", "max_force") };
+        let [[a, b], [lo, hi]] = [motion, limits];
+        let message = format!(
+            "goes from {a:.4} to {b:.4} {unit}, beyond the joint's `limits` of {lo:.4} and {hi:.4} {unit}, where it stops"
+        );
+        let doubt = self.doc.fault(&format!("{key}.motion"), message);
+        self.warnings.push(doubt.hint(format!("with a `{most}` it presses against them")).to_string());
     }
 
     /// Limits of a joint's coordinate, rad or m, which must hold `begins_at`, the coordinate with which it begins.

@@ -52,7 +52,7 @@ pub struct JointFile {
     pub until: Option<f64>,
 }
 
-/// A motor of a joint's coordinate: exactly one of the keys is given.
+/// A motor of a joint's coordinate: exactly one of `speed`, `motion`, `torque` and `force` is given.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MotorFile {
@@ -68,6 +68,12 @@ pub struct MotorFile {
     /// Force over time, N (prismatic).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force: Option<FunctionFile>,
+    /// Maximum torque over time, N m, of a motor by `speed` or `motion` (revolute, cylindrical); any if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_torque: Option<FunctionFile>,
+    /// Maximum force over time, N, of a motor by `speed` or `motion` (prismatic); any if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_force: Option<FunctionFile>,
 }
 
 /// A spring and damper between two bodies, along the line between two points or about an axis.
