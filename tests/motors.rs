@@ -159,7 +159,7 @@ loads:
             }
         }
         assert!(farthest > 0.1, "{load}: it is pushed off by {farthest} rad");
-        assert!(beyond < 0.02 * farthest && back < 3.0, "{load}: of {farthest} rad {beyond} beyond, back at {back} s");
+        assert!(beyond < 0.05 * farthest && back < 3.8, "{load}: of {farthest} rad {beyond} beyond, back at {back} s");
         assert!(sim.state.joints[0].violation < 1e-5);
     }
 }

@@ -87,14 +87,13 @@ fn mechanisms_without_contacts_are_those_of_the_cpu() {
         let (model, state) = resolved(mechanism(n));
         let Some(pair) = both(&model, &state, 100) else { return };
         let off = apart(&pair[0].state, &pair[1].state);
-        assert!(off < 2e-8 && reactions(&pair) < 1e-6, "{n}: {off} m, reactions to {}", reactions(&pair));
+        assert!(off < 5e-8 && reactions(&pair) < 1e-6, "{n}: {off} m, reactions to {}", reactions(&pair));
         let [own, cpu] = pair.each_ref().map(|s| &s.state);
-        assert!(
-            own.springs
-                .iter()
-                .zip(&cpu.springs)
-                .all(|(a, b)| (a.force - b.force).abs() < 1e-6 * b.force.abs().max(1.0))
-        );
+        // A stiff spring has the force of where its ends are.
+        for ((spring, a), b) in model.springs.iter().zip(&own.springs).zip(&cpu.springs) {
+            let most = 1e-6 * b.force.abs().max(1.0) + 4.0 * off * spring.stiffness;
+            assert!((a.force - b.force).abs() < most, "{n}: {} N, {} N", a.force, b.force);
+        }
         assert_eq!(own.watch.warnings.len(), cpu.watch.warnings.len());
     }
 }
