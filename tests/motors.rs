@@ -273,6 +273,30 @@ fn a_resumed_run_has_the_same_bits() {
     assert_eq!(first.state.joints, second.state.joints);
 }
 
+/// A motor that is as strong as it is asked to be is no fault: the run ends well, and says it once.
+#[test]
+fn a_motor_at_its_maximum_is_noted_once_and_is_no_warning() {
+    let work = scratch();
+    let (path, run) = (work.path().join("m.yaml"), work.path().join("run"));
+    let model = "step: 1e-3
+duration: 0.2
+frame_rate: 10
+on_divergence: stop
+materials: {m: {density: 1000, friction: 0.5}}
+bodies:
+  - {name: body, material: m, box: {size: [1, 1, 1]}}
+  - {name: other, material: m, box: {size: [1, 1, 1]}, position: [5, 0, 0]}
+joints:
+  - {name: j, kind: revolute, a: world, b: body, motor: {motion: 1, max_torque: 3}}
+  - {name: k, kind: revolute, a: world, b: other, position: [5, 0, 0], motor: {speed: 1, max_torque: 3}}
+";
+    std::fs::write(&path, model).unwrap();
+    let answer = scree(&["simulate", path.to_str().unwrap(), "-o", run.to_str().unwrap()]);
+    answer.ok();
+    let said = answer.errors();
+    assert!(said.matches("note: step").count() == 1 && !said.contains("warning"), "{said}");
+}
+
 #[test]
 fn what_bounds_no_motor_is_told() {
     let work = scratch();

@@ -14,7 +14,7 @@ use super::{Probes, Resolved};
 use crate::checkpoint;
 use crate::contacts::Contacts;
 use crate::geometry::{Surface, principal, solid_of};
-use crate::joint::{Joint, JointKind, Motor, Spring, SpringKind, SpringState};
+use crate::joint::{Joint, JointKind, Spring, SpringKind, SpringState};
 use crate::load::{Function, Load};
 use crate::sleep;
 use crate::terrain::Ground;

@@ -27,6 +27,8 @@ pub(super) fn jumps(resolved: &mut Resolved, doc: &Document, keys: &Keys) {
     for (id, (joint, now)) in model.joints.iter().zip(&state.joints).enumerate() {
         let coordinate = joint.kind.coordinate().filter(|_| joint.acts(0.0));
         let (what, goal) = match (&joint.motor, coordinate) {
+            // With a maximum effort it comes there bit by bit.
+            (Some(Motor::Position(_)), Some(_)) if joint.max_effort.is_some() => continue,
             (Some(Motor::Position(motion)), Some(_)) => ("motor", motion.at(0.0)),
             (_, Some(Coordinate::Length)) => ("length", joint.length.at(0.0)),
             _ => continue,
