@@ -79,7 +79,11 @@ pub fn run(
     }
     let boxes = fat_aabb.get_or_insert_default();
     boxes.resize(n, Aabb::default());
-    fill_rows(boxes, |s| fatten(model, state, s, tight(model, state, s, margin[s])));
+    let known = &*tight_aabb;
+    fill_rows(boxes, |s| {
+        let tight = known.get(s).copied().unwrap_or_else(|| tight(model, state, s, margin[s]));
+        fatten(model, state, s, tight)
+    });
     true
 }
 

@@ -128,6 +128,8 @@ pub fn run(
         outcome.iterations = iterations;
         let mut wrong = columns.joints.wrong_motors(columns.masses, columns.response, 0.0);
         if wrong.is_empty() || round > ROUNDS + 2 * n_motors {
+            // Motors without a side are a solve that has not converged.
+            outcome.residual = wrong.iter().fold(outcome.residual, |most, wrong| wrong.excess.max(most));
             return (outcome, worst);
         }
         if round > ROUNDS {

@@ -10,7 +10,7 @@
 //!
 //! C has the compliance of springs, and for rigid rows a small fraction of the diagonal, which regularises redundant rows.
 
-use super::motors::{Motor, Motors};
+use super::motors::{Motor, Motors, Wrong};
 use super::response::Response;
 use super::sparse::{self, Factor, Front, Structure};
 use crate::cpu::masses::Masses;
@@ -156,9 +156,8 @@ impl Joints {
         self.rows[row].speed_in(&scratch.twist).max(0.0)
     }
 
-    /// The motors that are on the wrong side of their maximum effort in a response, and the sides of these; errors of rates of up to `error`, m/s
-    /// or rad/s, are not seen.
-    pub fn wrong_motors(&self, masses: &Masses, response: &Response, error: f64) -> Vec<(usize, f64)> {
+    /// The motors that are on the wrong side of their maximum effort in a response; errors of rates of up to `error`, m/s or rad/s, are not seen.
+    pub fn wrong_motors(&self, masses: &Masses, response: &Response, error: f64) -> Vec<Wrong> {
         self.motors.wrong(&self.rows, masses, response, error)
     }
 

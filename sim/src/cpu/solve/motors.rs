@@ -41,6 +41,17 @@ pub struct Motor {
     pub aim: f64,
 }
 
+/// A motor that is on the wrong side.
+#[derive(Clone, Copy, Debug)]
+pub struct Wrong {
+    /// Its index.
+    motor: usize,
+    /// Its other side.
+    side: f64,
+    /// The rate that the joint has, or is given, too much, m/s or rad/s.
+    pub excess: f64,
+}
+
 /// The motors with a maximum effort of a step, by their joints.
 #[derive(Default)]
 pub struct Motors {
@@ -108,28 +119,30 @@ impl Motors {
         }
     }
 
-    /// The motors that are on the wrong side in a response, and the sides of these: those that give more than their maximum, and those that have passed
-    /// their rate at it. What is less than `error`, m/s or rad/s, is not seen.
-    pub fn wrong(&self, rows: &[Row], masses: &Masses, response: &Response, error: f64) -> Vec<(usize, f64)> {
-        let side = |(i, motor): (usize, &Motor)| {
+    /// The motors that are on the wrong side in a response: those that give more than their maximum, and those that have passed their rate at it.
+    /// What is less than `error`, m/s or rad/s, is not seen.
+    pub fn wrong(&self, rows: &[Row], masses: &Masses, response: &Response, error: f64) -> Vec<Wrong> {
+        let of = |(i, motor): (usize, &Motor)| {
             let row = &rows[motor.row as usize];
             let (impulse, speed) = (response.lambda[motor.row as usize], row.speed_in(&response.twist));
             if motor.most == 0.0 {
                 return None;
             }
-            if motor.side == 0.0 {
+            let (excess, side) = if motor.side == 0.0 {
                 let excess = impulse.abs() - motor.most * (1.0 + ROUNDING);
-                return (excess * masses.response(row) > error).then_some((i, impulse.signum()));
-            }
-            let beyond = (speed - motor.aim) * motor.side;
-            (beyond > error + ROUNDING * (speed.abs() + motor.aim.abs())).then_some((i, 0.0))
+                (excess * masses.response(row), impulse.signum())
+            } else {
+                let rounding = ROUNDING * (speed.abs() + motor.aim.abs());
+                ((speed - motor.aim) * motor.side - rounding, 0.0)
+            };
+            (excess > error).then_some(Wrong { motor: i, side, excess })
         };
-        self.motors.iter().enumerate().filter_map(side).collect()
+        self.motors.iter().enumerate().filter_map(of).collect()
     }
 
-    /// Put motors on other sides.
-    pub fn set(&mut self, sides: &[(usize, f64)]) {
-        sides.iter().for_each(|(i, side)| self.motors[*i].side = *side);
+    /// Put motors on their other sides.
+    pub fn set(&mut self, wrong: &[Wrong]) {
+        wrong.iter().for_each(|wrong| self.motors[wrong.motor].side = wrong.side);
     }
 }
 

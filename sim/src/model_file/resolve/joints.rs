@@ -1,6 +1,7 @@
 //! Joints, motors and springs between named bodies.
 
 use super::*;
+use crate::joint::Motor;
 
 /// By what a joint may begin beyond its limits, degrees or m, or off its plane: the rounding of positions that are written by hand.
 const ROUNDING: f64 = 1e-6;
