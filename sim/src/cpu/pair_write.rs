@@ -348,7 +348,7 @@ fn in_bin(input: &Input, [first, end]: [u32; 2], found: &mut Found) {
     let here = grid.coordinates(grid.level[members[0] as usize] as usize, input.bin[first as usize]);
     // The minimum corner of the overlap of two boxes is in this bin along an axis if that of one of them is: with a bit per axis, the bin
     // reports a pair whose bits together are all set.
-    let begins = |s: u32| grid.low[s as usize].cmpeq(here).bitmask() as usize;
+    let begins = |s: u32| grid.low[s as usize].cmpeq(here).bitmask() as u64;
     let boxes = |s: u32| &input.aabb[s as usize];
     let find = |found: &mut Found, s: u32, t: u32| {
         if input.may_collide(s, t) {
@@ -358,20 +358,22 @@ fn in_bin(input: &Input, [first, end]: [u32; 2], found: &mut Found) {
     let n_runs = members.len().div_ceil(RUN);
     found.side_by_side.resize(n_runs.max(found.side_by_side.len()), SideBySide::default());
     for (run, members) in found.side_by_side.iter_mut().zip(members.chunks(RUN)) {
-        run.having = [0; 8];
+        run.begins = [0; 3];
         for (i, &s) in members.iter().enumerate() {
             run.boxes[i / 4].put(i % 4, boxes(s));
             let own = begins(s);
-            run.bits[i] = own as u8;
-            run.having.iter_mut().enumerate().for_each(|(k, having)| *having |= ((own & k == k) as u64) << i);
+            run.begins.iter_mut().enumerate().for_each(|(axis, begins)| *begins |= (own >> axis & 1) << i);
         }
     }
     for (i, &s) in members.iter().enumerate() {
-        let (own, lacks) = (boxes(s), 7 & !found.side_by_side[i / RUN].bits[i % RUN] as usize);
+        let own = boxes(s);
+        let begins = found.side_by_side[i / RUN].begins.map(|begins| (begins >> (i % RUN) & 1).wrapping_neg());
         for run in i / RUN..n_runs {
+            let there = u64::MAX >> RUN.saturating_sub(members.len() - RUN * run);
             // In its own run those after it.
-            let after = if run == i / RUN { (u64::MAX << (i % RUN)) & !(1 << (i % RUN)) } else { u64::MAX };
-            let mut claimed = found.side_by_side[run].having[lacks] & after;
+            let after = if run == i / RUN { there & (u64::MAX << (i % RUN)) & !(1 << (i % RUN)) } else { there };
+            let of_run = found.side_by_side[run].begins;
+            let mut claimed = (0..3).fold(after, |claimed, axis| claimed & (begins[axis] | of_run[axis]));
             while claimed != 0 {
                 let block = claimed.trailing_zeros() as usize / 4;
                 let mut near = found.side_by_side[run].boxes[block].overlap(own) & (claimed >> (4 * block)) as u32;
@@ -386,19 +388,11 @@ fn in_bin(input: &Input, [first, end]: [u32; 2], found: &mut Found) {
 }
 
 /// The members of a bin, or a run of them: their boxes side by side.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct SideBySide {
     boxes: [FourBoxes; RUN / 4],
-    /// Along which axes the box of each begins in the bin, a bit per axis.
-    bits: [u8; RUN],
-    /// Mask of the members that have all bits of k.
-    having: [u64; 8],
-}
-
-impl Default for SideBySide {
-    fn default() -> SideBySide {
-        SideBySide { boxes: Default::default(), bits: [0; RUN], having: [0; 8] }
-    }
+    /// Mask of the members whose boxes begin in the bin, along each axis.
+    begins: [u64; 3],
 }
 
 /// Four boxes, coordinate by coordinate.

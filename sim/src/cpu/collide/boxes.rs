@@ -5,7 +5,7 @@
 
 use super::convex::Axis;
 use super::manifold::{OF_SECOND, cut_id, feature_id};
-use super::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
+use super::point::{MAX_POINTS, Placed, Point, Points, longest_axis, swap_shapes};
 use super::solids::convex_convex;
 use glam::{DMat3, DVec3};
 
@@ -226,7 +226,7 @@ fn clip_face(
     let frame = [rotation.col(i), rotation.col(j), rotation.col(axis)];
     let into = |v: DVec3| DVec3::from_array(frame.map(|along| along.dot(v)));
     let towards = turned.transpose() * -normal;
-    let facing = (0..3).max_by(|i, j| towards[*i].abs().total_cmp(&towards[*j].abs())).unwrap_or(0);
+    let facing = longest_axis(towards);
     let (one, two) = ((facing + 1) % 3, (facing + 2) % 3);
     let out_of = turned.col(facing) * other.size[facing].copysign(towards[facing]);
     let centre = into(other.position - of.position + out_of);

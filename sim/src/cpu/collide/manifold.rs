@@ -1,7 +1,7 @@
 //! Contact manifolds: the faces, edges or corners by which two convex shapes meet are clipped against each other.
 
 use super::convex::{Nearest, support_local};
-use super::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
+use super::point::{MAX_POINTS, Placed, Point, Points, longest_axis, swap_shapes};
 use crate::ShapeKind;
 use crate::geometry::Hull;
 use glam::DVec3;
@@ -87,7 +87,7 @@ pub fn feature(shape: &Placed, direction: DVec3) -> Feature {
     };
     match shape.kind {
         ShapeKind::Box => {
-            let axis = (0..3).max_by(|i, j| d[*i].abs().total_cmp(&d[*j].abs())).unwrap_or(0);
+            let axis = longest_axis(d);
             for (k, (s, t)) in [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].into_iter().enumerate() {
                 let mut p = DVec3::ZERO;
                 p[axis] = size[axis].copysign(d[axis]);

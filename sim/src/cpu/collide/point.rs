@@ -51,6 +51,13 @@ impl<'a> Placed<'a> {
     }
 }
 
+/// The axis along which a vector is longest; the last of several.
+#[inline(always)]
+pub fn longest_axis(v: DVec3) -> usize {
+    let DVec3 { x, y, z } = v.abs();
+    if z >= x.max(y) { 2 } else { (y >= x) as usize }
+}
+
 /// The greatest distance of a point of a shape from its position, m.
 fn extent(kind: ShapeKind, size: DVec3, hull: Option<&Hull>) -> f64 {
     let DVec3 { x, z, .. } = size;

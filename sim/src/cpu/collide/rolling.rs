@@ -2,7 +2,7 @@
 
 use super::convex::support_local;
 use super::manifold::{is_end, is_nearest};
-use super::point::Placed;
+use super::point::{Placed, longest_axis};
 use crate::shape::ShapeKind;
 use glam::DVec3;
 
@@ -16,7 +16,7 @@ pub fn is_curved(kind: ShapeKind) -> bool {
 pub fn face_near(shape: &Placed, d: DVec3) -> Option<DVec3> {
     match shape.kind {
         ShapeKind::Box => {
-            let axis = (0..3).max_by(|i, j| d[*i].abs().total_cmp(&d[*j].abs()))?;
+            let axis = longest_axis(d);
             Some(DVec3::AXES[axis] * 1.0f64.copysign(d[axis]))
         }
         ShapeKind::Hull => Some(shape.hull?.normal_facing(d)),
