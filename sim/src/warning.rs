@@ -120,8 +120,8 @@ pub struct WatchState {
     /// What is known of the loads.
     #[serde(default)]
     pub(crate) swings: Vec<Swing>,
-    /// Whether a motor has been said to be at its maximum effort.
-    pub(crate) has_noted: bool,
+    /// Joints whose motors have been said to stand still or to be driven back at their maximum effort.
+    pub(crate) noted: Vec<u32>,
     /// Warnings so far, by kind, in order of their first step.
     pub warnings: Vec<WarningCount>,
 }

@@ -39,6 +39,8 @@ const TURN: f64 = 0.2;
 const MOTOR_RATE: [f64; 2] = [1e-2, 0.5];
 /// Tolerance of errors of driven rates within 1 s, over that of errors of joints.
 const MOTOR_DRIFT: f64 = 5.0;
+/// Rate up to which a motor at its maximum effort stands still, over that tolerance.
+const STALLED: f64 = 1e-4;
 /// Prescribed rate up to which a motor is a brake, over that tolerance.
 const SLOWEST: f64 = 1e-3;
 /// Tolerance of energy growth, over the available energy.
@@ -245,43 +247,54 @@ impl WatchState {
         })
     }
 
-    /// Say of the first motor that does not reach what it prescribes with its maximum effort that it does not: once in a run, since that is what it is
-    /// asked for.
+    /// Say of a motor that stands still or is driven back at its maximum effort that it does not reach what it prescribes: once in a run of each of the
+    /// first few, since that is what they are asked for.
     pub fn note(&mut self, model: &Model, state: &State) -> Option<Warning> {
-        if self.has_noted || model.joints.iter().all(|joint| joint.max_effort.is_none()) {
+        /// The most motors that are spoken of.
+        const MOST: usize = 5;
+        if self.noted.len() == MOST || model.joints.iter().all(|joint| joint.max_effort.is_none()) {
             return None;
         }
-        let message = self.lag(model, state, true)?;
-        self.has_noted = true;
+        let is_new = |i: &usize| model.joints[*i].max_effort.is_some() && !self.noted.contains(&(*i as u32));
+        let stalls = |i: &usize| {
+            let (joint, now) = (&model.joints[*i], &state.joints[*i]);
+            now.motor_side != 0.0 && now.rate * now.motor_side <= STALLED * MOTOR_DRIFT * self.scale(joint)
+        };
+        let lag = |i: usize| self.lag(model, state, i).map(|(_, message)| (i, message));
+        let (joint, message) = (0..model.joints.len()).filter(is_new).filter(stalls).find_map(lag)?;
+        self.noted.push(joint as u32);
         Some(Warning { kind: WarningKind::Motor, step: state.steps, time: state.time, message })
     }
 
     /// The motor without a maximum effort that is farthest from what it prescribes, of those beyond their bounds.
     fn motor(&self, model: &Model, state: &State) -> Option<String> {
-        self.lag(model, state, false)
+        let any_effort = (0..model.joints.len()).filter(|i| model.joints[*i].max_effort.is_none());
+        let lags = any_effort.filter_map(|i| self.lag(model, state, i));
+        lags.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, message)| message)
     }
 
-    /// The motor that is farthest from what it prescribes, of those beyond their bounds that have a maximum effort, or have none.
-    fn lag(&self, model: &Model, state: &State, has_most: bool) -> Option<String> {
-        let started = state.time - model.step;
-        let of = |(joint, now): (&Joint, &JointState)| {
-            let moves = joint.bodies.iter().any(|b| state.moves(*b as usize));
-            let is_present = moves && !joint.bodies.iter().any(|b| state.is_inactive(*b as usize));
-            let is_meant = is_present && joint.acts(started) && joint.max_effort.is_some() == has_most;
-            let [goal, is] = joint.driven(now, state.time).filter(|_| is_meant)?;
-            let is_rate = matches!(joint.motor, Some(Motor::Speed(_)));
-            let is_angle = joint.kind.coordinate() == Some(Coordinate::Angle);
-            let scale = if is_angle { JOINT_ANGLE } else { JOINT_ERROR * self.diagonal };
-            let [fast, slow] = MOTOR_RATE.map(|share| share * goal.abs());
-            let drift = MOTOR_DRIFT * scale;
-            // A brake, and what goes through zero, as a sine.
-            let slow = if goal.abs() < SLOWEST * drift { drift } else { slow };
-            let bound = if is_rate { fast.max(drift.min(slow)) } else { scale };
-            let excess = (is - goal).abs() / bound;
-            (excess > 1.0).then(|| (excess, lag_message(model, joint, (now, state.time), [goal, is], bound)))
-        };
-        let lags = model.joints.iter().zip(&state.joints).filter_map(of);
-        lags.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, message)| message)
+    /// The error of a coordinate that counts, rad or m.
+    fn scale(&self, joint: &Joint) -> f64 {
+        let is_angle = joint.kind.coordinate() == Some(Coordinate::Angle);
+        if is_angle { JOINT_ANGLE } else { JOINT_ERROR * self.diagonal }
+    }
+
+    /// How far a joint's motor is from what it prescribes, over its bound, and a message; none within it.
+    fn lag(&self, model: &Model, state: &State, i: usize) -> Option<(f64, String)> {
+        let (joint, now) = (&model.joints[i], &state.joints[i]);
+        let moves = joint.bodies.iter().any(|b| state.moves(*b as usize));
+        let is_present = moves && !joint.bodies.iter().any(|b| state.is_inactive(*b as usize));
+        let acts = is_present && joint.acts(state.time - model.step);
+        let [goal, is] = joint.driven(now, state.time).filter(|_| acts)?;
+        let is_rate = matches!(joint.motor, Some(Motor::Speed(_)));
+        let scale = self.scale(joint);
+        let [fast, slow] = MOTOR_RATE.map(|share| share * goal.abs());
+        let drift = MOTOR_DRIFT * scale;
+        // A brake, and what goes through zero, as a sine.
+        let slow = if goal.abs() < SLOWEST * drift { drift } else { slow };
+        let bound = if is_rate { fast.max(drift.min(slow)) } else { scale };
+        let excess = (is - goal).abs() / bound;
+        (excess > 1.0).then(|| (excess, lag_message(model, joint, (now, state.time), [goal, is], bound)))
     }
 
     fn energy(

@@ -45,6 +45,8 @@ pub struct Mechanism {
     first_limit: usize,
     /// Rounds of this step, in which limits or motors have changed.
     rounds: usize,
+    /// The greatest rate by which a motor is on the wrong side after the last of them, m/s or rad/s.
+    unsettled: f64,
     /// Velocities with joints (n_bodies; of these bodies alone).
     response: Response,
     /// Displacements over the step (the same).
@@ -100,7 +102,7 @@ impl Mechanism {
         let speed = |k: usize| state.joints[limits.joint[k] as usize].rate * if limits.is_most[k] { -1.0 } else { 1.0 };
         let is_at = |k: usize| limits.rows[k].psi + model.step * speed(k) <= AT;
         self.held = (0..limits.rows.len()).map(is_at).collect();
-        (self.first_limit, self.rounds) = (self.joints.rows.len(), 0);
+        (self.first_limit, self.rounds, self.unsettled) = (self.joints.rows.len(), 0, 0.0);
         let is_new = self.hold(model);
         self.foresee(model, state);
         is_new
@@ -169,6 +171,7 @@ impl Mechanism {
             wrong.extend(is_wrong.then_some(k));
         }
         let mut motors = self.joints.wrong_motors(&self.masses, &self.response, ROUNDING * fastest);
+        self.unsettled = motors.iter().fold(0.0, |most, wrong| wrong.excess.max(most));
         if self.rounds > ROUNDS {
             wrong.truncate(1);
             motors.truncate(1 - wrong.len());
@@ -238,6 +241,7 @@ impl Mechanism {
             self.keep_angular_momentum(effects, 0.5 * share * model.step);
         }
         self.keep_limits();
+        outcome.solver.residual = outcome.solver.residual.max(self.unsettled);
         let rows = (&self.joint_start[..], &self.joints);
         joint_write::record(model, state, rows, &self.limits, &self.response, outcome);
         for b in self.bodies.iter().map(|b| *b as usize) {

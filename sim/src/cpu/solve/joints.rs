@@ -112,7 +112,18 @@ impl Joints {
             self.analyse(masses);
             self.is_new = true;
         }
+        if self.motors.soften_lagging(&mut self.rows, masses) {
+            self.factorise(masses);
+            let mut motors = std::mem::take(&mut self.motors);
+            motors.aim(|motor, scratch| self.response_along(masses, motor, scratch));
+            self.motors = motors;
+        }
         self.motors.soften(&mut self.rows, masses);
+        self.factorise(masses);
+        self.motors.set_bias(&self.rows, &mut self.bias);
+    }
+
+    fn factorise(&mut self, masses: &Masses) {
         let Joints { rows, pattern, factor, softness, .. } = self;
         softness.clear();
         let mut largest = f64::MIN_POSITIVE;
@@ -124,30 +135,11 @@ impl Joints {
             on_diagonal[*place as usize] = softness[softness.len() - 1];
         }
         factor.factorise(1e-14 * largest, |front, element, first| pattern.fill(front, element, first, rows, masses));
-        if !self.motors.is_empty() {
-            self.aim(masses);
-        }
     }
 
-    /// Let motors with a maximum effort aim at what they can reach.
-    fn aim(&mut self, masses: &Masses) {
-        let mut motors = std::mem::take(&mut self.motors);
-        motors.aim(|motor, scratch| self.response_along(masses, motor, scratch));
-        motors.set_bias(&self.rows, &mut self.bias);
-        self.motors = motors;
-    }
-
-    /// The rate that a unit impulse of a motor gives its joint, with all other rows, 1/kg or 1/(kg m²).
+    /// The rate that a unit impulse of a motor that moves freely gives its joint, with all other rows, 1/kg or 1/(kg m²).
     fn response_along(&mut self, masses: &Masses, motor: &Motor, scratch: &mut Response) -> f64 {
         let row = motor.row as usize;
-        if !motor.is_free() {
-            // It is the reciprocal of the row's entry on the diagonal of S⁻¹.
-            let (rhs, place) = (self.factor.rows(), self.pattern.place[row] as usize);
-            rhs.fill(0.0);
-            rhs[place] = 1.0;
-            self.factor.solve();
-            return (1.0 / self.factor.rows()[place] - self.softness[row]).max(0.0);
-        }
         scratch.twist.resize(masses.inv_mass.len(), Twist::default());
         self.rows.iter().flat_map(|row| row.bodies).for_each(|b| scratch.twist[b as usize] = Twist::default());
         masses.apply_row_impulse(&mut scratch.twist, &self.rows[row], 1.0);

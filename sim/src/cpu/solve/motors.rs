@@ -58,6 +58,8 @@ pub struct Motors {
     motors: Vec<Motor>,
     /// Step size, s.
     step: f64,
+    /// Whether the motors know at what they aim in this step.
+    have_aims: bool,
     scratch: Response,
 }
 
@@ -65,7 +67,7 @@ impl Motors {
     /// For a step of `step`, s.
     pub fn start(&mut self, step: f64) {
         self.motors.clear();
-        self.step = step;
+        (self.step, self.have_aims) = (step, false);
     }
 
     /// Add a motor, `row` with the response `response` to a unit impulse, on a joint that has the rate `speed` without it: where that is too far from
@@ -97,17 +99,36 @@ impl Motors {
 
     /// Let the rows be those of motors that are at their maximum, or are not.
     pub fn soften(&self, rows: &mut [Row], masses: &Masses) {
+        self.soften_where(rows, masses, Motor::is_free);
+    }
+
+    /// Let the rows be those of motors that are behind and move freely, and of the others that reach their rate. Returns whether any is behind without
+    /// an aim in this step.
+    pub fn soften_lagging(&mut self, rows: &mut [Row], masses: &Masses) -> bool {
+        let is_asked = !std::mem::replace(&mut self.have_aims, true);
+        let step = self.step;
+        let lags = |motor: &Motor| motor.lags(step);
+        if !is_asked || !self.motors.iter().any(lags) {
+            return false;
+        }
+        self.soften_where(rows, masses, lags);
+        true
+    }
+
+    fn soften_where(&self, rows: &mut [Row], masses: &Masses, is_free: impl Fn(&Motor) -> bool) {
         for motor in &self.motors {
             let row = &mut rows[motor.row as usize];
-            row.softness = if motor.is_free() { FREE * masses.response(row) } else { 0.0 };
+            row.softness = if is_free(motor) { FREE * masses.response(row) } else { 0.0 };
         }
     }
 
-    /// Aim, where a coordinate is behind, at what the motor can brake. `response` has the rate that a unit impulse of a motor gives its joint.
+    /// Aim, where a coordinate is behind, at what the motor can brake, once a step: aims that followed the sides would have these change for ever.
+    /// `response` has the rate that a unit impulse of a motor gives its joint, where all that are behind move freely.
     pub fn aim(&mut self, mut response: impl FnMut(&Motor, &mut Response) -> f64) {
-        for motor in self.motors.iter_mut().filter(|motor| motor.ahead.abs() > SLOW * self.step) {
+        let step = self.step;
+        for motor in self.motors.iter_mut().filter(|motor| motor.lags(step)) {
             let response = response(motor, &mut self.scratch);
-            motor.aim_by(response, self.step);
+            motor.aim_by(response, step);
         }
     }
 
@@ -150,6 +171,11 @@ impl Motor {
     /// Whether the joint moves freely, under a given effort.
     pub fn is_free(&self) -> bool {
         self.side != 0.0 || self.most == 0.0
+    }
+
+    /// Whether the coordinate is behind, or ahead, at the start of a step `step`, s.
+    fn lags(&self, step: f64) -> bool {
+        self.ahead.abs() > SLOW * step
     }
 
     /// Aim at the prescribed rate, and back at what is prescribed, where a unit impulse gives the joint the rate `response`.
