@@ -124,18 +124,14 @@ pub fn collide_or_recycle(
     let n = pass([a, b], way, (farther, rest_gap), (&mut axis, n), out);
     let face = face_of([a, b], &out[..n]);
     let mut least = farther;
-    // Most points of a manifold have one normal.
-    let (mut known, mut normals) = (DVec3::ZERO, [DVec3::ZERO; 2]);
     for p in &out[..n] {
         least = least.min(p.gap);
         let is_of_second = face.unwrap_or(p.feature & OF_SECOND != 0);
-        if known != p.normal {
-            (known, normals) = (p.normal, [a.local(p.normal), b.local(p.normal)]);
-        }
-        let on_first = held(a, a.local(p.on_first - a.position), normals[0]);
-        let on_second = held(b, b.local(p.on_second - b.position), -normals[1]);
-        let normal = normals[is_of_second as usize].normalize();
-        kept.points.push(KeptPoint { on_first, on_second, normal, feature: p.feature, is_of_second });
+        let normal = if is_of_second { b.local(p.normal) } else { a.local(p.normal) };
+        let on_first = held(a, a.local(p.on_first - a.position), a.local(p.normal));
+        let on_second = held(b, b.local(p.on_second - b.position), b.local(-p.normal));
+        let feature = p.feature;
+        kept.points.push(KeptPoint { on_first, on_second, normal: normal.normalize(), feature, is_of_second });
     }
     // Of what does not carry yet the points may be behind: it carries once the gap is closed.
     let slack = match face {

@@ -60,24 +60,13 @@ pub struct Way {
 }
 
 impl Way {
-    /// How much nearer two points of the shapes that touch at a place come along the normal there, as they move now, and with what gravity adds, m:
-    /// turning counts along the normal alone.
-    #[inline(always)]
-    fn closing(&self, shapes: [&Placed; 2], place: DVec3, normal: DVec3) -> [f64; 2] {
-        // n · (ω × r) = ω · (r × n).
-        let [a, b] =
-            [0, 1].map(|k| self.velocity[k].dot(normal) + self.spin[k].dot((place - shapes[k].position).cross(normal)));
-        let [fall_a, fall_b] = self.fall;
-        [(a - b) * self.step, (a - b + (fall_a - fall_b).dot(normal)) * self.step]
-    }
-
-    /// The way of the second shape against the first, m, as they move now or, where `falls`, with what gravity adds: by the centres' motion, and
-    /// along the normal of a place by the turning there.
-    fn at(&self, shapes: [&Placed; 2], place: DVec3, normal: DVec3, falls: bool) -> DVec3 {
+    /// The way of the second against the first as they move now, and with what gravity adds, m, at a place with a normal, along which turning
+    /// counts.
+    fn at(&self, shapes: [&Placed; 2], place: DVec3, normal: DVec3) -> [DVec3; 2] {
         let [a, b] =
             [0, 1].map(|k| self.velocity[k] + normal * normal.dot(self.spin[k].cross(place - shapes[k].position)));
         let [fall_a, fall_b] = self.fall;
-        (b - a + if falls { fall_b - fall_a } else { DVec3::ZERO }) * self.step
+        [(b - a) * self.step, (b - a + fall_b - fall_a) * self.step]
     }
 }
 
@@ -99,19 +88,16 @@ pub fn pass(
     }
     let way = way();
     // What comes too near as it moves now; else as it falls.
-    let middle = |p: &Point| 0.5 * (p.on_first + p.on_second);
-    let mut worst = [(CLOSING * grazing, None); 2];
+    let mut worst = [(CLOSING * grazing, DVec3::ZERO, DVec3::ZERO); 2];
     for p in &out[..n] {
-        let room = (p.gap - rest_gap).max(0.0);
-        for (worst, closing) in worst.iter_mut().zip(way.closing([a, b], middle(p), p.normal)) {
-            if closing - room > worst.0 {
-                *worst = (closing - room, Some(p));
+        for (worst, way) in worst.iter_mut().zip(way.at([a, b], 0.5 * (p.on_first + p.on_second), p.normal)) {
+            let too_near = -way.dot(p.normal) - (p.gap - rest_gap).max(0.0);
+            if too_near > worst.0 {
+                *worst = (too_near, way, p.normal);
             }
         }
     }
-    let worst = [worst[0].1.map(|p| (p, false)), worst[1].1.map(|p| (p, true))];
-    let Some((p, falls)) = worst.into_iter().flatten().next() else { return n };
-    let (way, normal) = (way.at([a, b], middle(p), p.normal, falls), p.normal);
+    let Some((_, way, normal)) = worst.into_iter().find(|(_, way, _)| *way != DVec3::ZERO) else { return n };
     let found = match (a.kind, b.kind) {
         (Box, Box) => box_axis([a, b], way),
         _ => any_axis([a, b], way),

@@ -6,8 +6,9 @@
 //! asks for more are let go, and those that come to their rate are held ([`Motors::wrong`]).
 //!
 //! A motor of a coordinate that is behind comes back along the curve on which half of its torque would stop it in its place, v = √(τ w |e|) with
-//! the rate w that a unit impulse of it gives its joint, and at most in one step. Without that it would arrive with all the speed that it
-//! can gain, pass its place, and swing about it.
+//! the rate w that a unit impulse of it gives its joint while all that are behind move freely, and at most in one step. Without that it would arrive
+//! with all the speed that it can gain, pass its place, and swing about it. It aims once a step: what followed the sides of others would have
+//! the rounds go on for ever, and motors of one mechanism give hundreds of times their maximum.
 
 use super::response::Response;
 use crate::cpu::masses::Masses;
