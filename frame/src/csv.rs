@@ -90,7 +90,7 @@ struct Head<'a> {
 }
 
 fn parse(path: &Path, text: &str, number: u64, layout: &Layout) -> Result<Frame, Fault> {
-    let text = text.trim_start_matches('\u{feff}');
+    let text = text.trim_start_matches(crate::text::MARK);
     let table = Table { path, text };
     let Some(first) = text.lines().find(|line| is_data(line)) else { return without_rows(&table, number, layout) };
     if layout == &Layout::default()

@@ -154,7 +154,7 @@ pub fn by_content(bytes: &[u8]) -> Option<Format> {
     }
     let text =
         std::str::from_utf8(head).unwrap_or_else(|e| std::str::from_utf8(&head[..e.valid_up_to()]).unwrap_or(""));
-    let text = text.trim_start_matches('\u{feff}').trim_start();
+    let text = text.trim_start_matches(crate::text::MARK).trim_start();
     match text.as_bytes() {
         [b'{', ..] if text.contains("\"file-series-version\"") => Some(SERIES),
         [b'{', ..] => Some(JSON),

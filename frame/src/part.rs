@@ -4,9 +4,6 @@ use crate::{Fault, FaultKind, gzip, text};
 use std::io::{BufRead, Read};
 use std::path::Path;
 
-/// The mark of its encoding that an editor of Windows begins a text with.
-pub(crate) const MARK: &[u8] = "\u{feff}".as_bytes();
-
 /// A table of a file of several, and where it stands in what is unpacked of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
@@ -52,8 +49,8 @@ impl<'a> Scan<'a> {
         if line.last() != Some(&b'\n') {
             n += self.file.skip_until(b'\n').map_err(unreadable)? as u64;
         }
-        if self.line == 0 && line.starts_with(MARK) {
-            line.drain(..MARK.len());
+        if self.line == 0 && line.starts_with(text::MARK.as_bytes()) {
+            line.drain(..text::MARK.len());
         }
         self.go_on(n);
         Ok(true)
@@ -108,7 +105,7 @@ pub(crate) fn read(path: &Path, part: Option<&Part>) -> Result<(String, usize), 
     };
     let mut text =
         text::decode(bytes).map_err(|_| Fault::whole(FaultKind::Data, path, "has bytes that are no text"))?;
-    if text.starts_with('\u{feff}') {
+    if text.starts_with(text::MARK) {
         text.remove(0);
     }
     Ok((text, before))

@@ -2,7 +2,7 @@
 
 use crate::csv::{self, Layout};
 use crate::history::Histories;
-use crate::part::{self, Part};
+use crate::part::Part;
 use crate::vtk::{self, DataSet};
 use crate::{Fault, FaultKind, Frame, arrow, chrono, dump, gzip, mercury, parquet, ply, sequence, xyz};
 use std::collections::BTreeMap;
@@ -40,7 +40,7 @@ impl Kind {
         /// Bytes that are looked at.
         const START: u64 = 1 << 14;
         let start = gzip::start(path, START);
-        let text = start.strip_prefix(part::MARK).unwrap_or(&start);
+        let text = start.strip_prefix(crate::text::MARK.as_bytes()).unwrap_or(&start);
         let is_vtk = |kind: vtk::Kind| vtk::kind_of(&start) == Some(kind);
         let kinds = [
             (dump::is_dump(text), Kind::Dump),

@@ -1,5 +1,8 @@
 //! The bytes of a table → text: UTF-8, UTF-16 with or without its mark, else Windows-1252, which has Latin-1's letters.
 
+/// The mark of its encoding that an editor of Windows begins a text with.
+pub(crate) const MARK: &str = "\u{feff}";
+
 /// What Windows-1252 has where Latin-1 has control characters, from 0x80 on; `\u{fffd}` is nothing.
 const WINDOWS: &str = "€\u{fffd}‚ƒ„…†‡ˆ‰Š‹Œ\u{fffd}Ž\u{fffd}\u{fffd}‘’“”•–—˜™š›œ\u{fffd}žŸ";
 

@@ -35,7 +35,7 @@ pub fn kind_of(head: &[u8]) -> Option<Kind> {
     if head.starts_with(legacy::MAGIC) {
         return Some(Kind::Points);
     }
-    let text = head.strip_prefix("\u{feff}".as_bytes()).unwrap_or(head).trim_ascii_start();
+    let text = head.strip_prefix(crate::text::MARK.as_bytes()).unwrap_or(head).trim_ascii_start();
     let start = memchr::memmem::find(text, b"<VTKFile").filter(|_| text.starts_with(b"<"))?;
     let end = memchr::memchr(b'>', &text[start..]).map_or(text.len(), |length| start + length);
     let is_collection = memchr::memmem::find(&text[start..end], b"Collection").is_some();

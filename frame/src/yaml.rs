@@ -40,7 +40,7 @@ pub fn read<T: DeserializeOwned>(path: &Path) -> Result<(T, Document), Fault> {
 /// Read YAML text, which came from `path`, into `T`. An error, with its place, if the text does not fit `T`.
 pub fn parse<T: DeserializeOwned>(path: &Path, mut text: String) -> Result<(T, Document), Fault> {
     // Editors of Windows begin a file with a mark of its encoding.
-    if text.starts_with('\u{feff}') {
+    if text.starts_with(crate::text::MARK) {
         text.remove(0);
     }
     if text.trim().is_empty() {

@@ -56,7 +56,7 @@ impl<'a> File<'a> {
         let end = memchr::memmem::find(source.bytes, b"<AppendedData");
         let head = &source.bytes[..end.unwrap_or(source.bytes.len())];
         let head = std::str::from_utf8(head).map_err(|e| source.fault(e.valid_up_to(), "is not UTF-8 text"))?;
-        let skip = if head.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
+        let skip = if head.starts_with(crate::text::MARK) { crate::text::MARK.len() } else { 0 };
         let root = tree(source, &head[skip..], skip, end.is_some())?;
         if root.name != "VTKFile" {
             return Err(source.fault(root.at, "expected the element `VTKFile`"));

@@ -37,6 +37,7 @@ use super::solve::bodies::{BodyOperator, Falling, Free, Offset, Recovery};
 use super::solve::exact;
 use super::solve::iterates::Iterates;
 use super::solve::joints::Joints;
+use super::solve::motors::{ROUNDS, most_rounds};
 use super::solve::operator::Operator;
 use super::solve::overlaps::{self, Displacement};
 use super::solve::residual::{residual, worst_block};
@@ -113,8 +114,6 @@ pub fn run(
     mut columns: Columns,
     work: &mut Workspace,
 ) -> (Outcome, Option<[u32; 2]>) {
-    /// Rounds in which all motors may change; later ones, of which there are twice as many as motors, have the first alone change.
-    const ROUNDS: usize = 6;
     let n_motors = columns.joints.motors.len();
     if n_motors == 0 {
         return solve_once((model, plan, state), contacts, columns, work);
@@ -127,7 +126,7 @@ pub fn run(
         iterations += outcome.iterations;
         outcome.iterations = iterations;
         let mut wrong = columns.joints.wrong_motors(columns.masses, columns.response, 0.0);
-        if wrong.is_empty() || round > ROUNDS + 2 * n_motors {
+        if wrong.is_empty() || round > most_rounds(n_motors) {
             // Motors without a side are a solve that has not converged.
             outcome.residual = wrong.iter().fold(outcome.residual, |most, wrong| wrong.excess.max(most));
             return (outcome, worst);

@@ -16,6 +16,7 @@ use super::integrate::moved_pose;
 use super::masses::Masses;
 use super::solve::bodies::{Falling, Recovery};
 use super::solve::joints::{Joints, Reduced, on_body};
+use super::solve::motors::{ROUNDS, most_rounds};
 use super::solve::response::Response;
 use super::{force, joint_write};
 use crate::joint::Row;
@@ -145,10 +146,9 @@ impl Mechanism {
     }
 
     /// Let go of the limits that would pull with what the contacts do, and hold those that would be passed; the same of motors, which would give more
-    /// than their maximum or go beyond their rate. Returns whether there are such, so that the contacts are to be solved again, and whether the structure of the factor is another.
+    /// than their maximum or go beyond their rate. Returns whether there are such, so that the contacts are to be solved again, and whether the
+    /// structure of the factor is another.
     pub fn settle(&mut self, model: &Model, effects: &[Effect]) -> Option<bool> {
-        /// Rounds in which all may change; later ones, of which there are twice as many as limits and motors, have the first alone change.
-        const ROUNDS: usize = 6;
         /// A rate that is rounding, over that of the mechanism.
         const ROUNDING: f64 = 1e-6;
         self.respond(effects);
@@ -177,7 +177,7 @@ impl Mechanism {
             motors.truncate(1 - wrong.len());
         }
         let n = self.limits.rows.len() + self.joints.motors.len();
-        if wrong.is_empty() && motors.is_empty() || self.rounds > ROUNDS + 2 * n {
+        if wrong.is_empty() && motors.is_empty() || self.rounds > most_rounds(n) {
             return None;
         }
         wrong.into_iter().for_each(|k| self.held[k] = !self.held[k]);

@@ -141,8 +141,7 @@ impl Mechanism {
     }
 
     /// Hold the limits that would be passed with what the contacts do, and let go of those that would pull, and the same of motors with a maximum
-    /// effort. Returns whether there are such, so
-    /// that the step is to be done again, and whether a buffer has grown.
+    /// effort. Returns whether there are such, so that the step is to be done again, and whether a buffer has grown.
     ///
     /// # Errors
     /// Those of [`Buffer::read`].

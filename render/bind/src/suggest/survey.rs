@@ -153,7 +153,7 @@ impl<'a> Survey<'a> {
         let (class_codes, classes) = category("class");
         let columns = Columns::of(frame, names, up);
         let mut survey = Survey { things: vec![], terrain: vec![], kinds: vec![], classes };
-        // Index into the kinds by class and shape: of both there may be as many as rows, but not of the pairs.
+        // Index into the kinds by class and shape: a table of all pairs would be far larger than the frame where each row has its own.
         let mut kind_of: HashMap<(u32, usize), usize> = HashMap::new();
         for row in 0..frame.rows() {
             let shape_code = shape_codes.get(row).map(|code| *code as usize);

@@ -23,6 +23,14 @@ const ROUNDING: f64 = 1e-9;
 /// A rate, m/s or rad/s, by which a coordinate that is behind comes back anyway.
 const SLOW: f64 = 1e-9;
 
+/// Rounds of pivoting in which all bounds that are wrong may change sides; in later ones only the first does, so that the rounds come to an end.
+pub const ROUNDS: usize = 6;
+
+/// The most rounds with `n` bounds.
+pub fn most_rounds(n: usize) -> usize {
+    ROUNDS + 2 * n
+}
+
 /// A motor of a prescribed rate or coordinate with a maximum effort.
 #[derive(Clone, Copy, Debug)]
 pub struct Motor {
