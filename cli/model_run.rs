@@ -249,7 +249,7 @@ impl Observer for Console<'_> {
     }
 
     fn note(&mut self, note: &Warning) {
-        eprintln!("note: {note}; this is said once of each motor, of the first few");
+        eprintln!("note: {note}");
     }
 
     /// Write the metadata again from frames of the whole run: bodies may have appeared, and moved out of the image.

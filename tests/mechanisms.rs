@@ -104,12 +104,13 @@ fn chains_let_go_level_keep_their_energy_and_their_joints() {
     }
 }
 
-/// A closed loop that turns by 0.1 and 0.18 rad in a step gained a third of its energy by joints that were solved for once or twice.
+/// A closed loop that turns by 0.1 rad in a step gained a third of its energy by joints that were solved for once or twice; one that turns by a
+/// radian was torn.
 #[test]
 fn a_slider_crank_keeps_its_energy() {
-    for step in [1e-3, 1.8e-3] {
-        let (_, seen) = watched(&slider_crank(&format!("step: {step}\n"), 100.0, false), 5.0);
-        assert!(seen.gained().abs() < 0.01, "{step} s: {} of the kinetic energy", seen.gained());
+    for (step, speed) in [(1e-3, 100.0), (1.8e-3, 100.0), (1e-3, 250.0), (1e-3, 600.0), (1e-3, 1000.0)] {
+        let (_, seen) = watched(&slider_crank(&format!("step: {step}\n"), speed, false), 5.0);
+        assert!(seen.gained().abs() < 0.01, "{step} s, {speed} rad/s: {} of the kinetic energy", seen.gained());
         assert!(seen.gap < 1e-6, "{step} s: {} m", seen.gap);
     }
 }
@@ -147,16 +148,125 @@ fn motors_that_start_at_once_leave_their_joints_whole() {
 /// The ends of chains that are whirled carry forces that are stiff for the step: their joints hold all the same.
 #[test]
 fn chains_that_are_whirled_stay_whole() {
-    for (n, speed, until) in [(5, 30.0, 0.9), (10, 20.0, 0.9)] {
-        let mut sim = simulation(&chain(n, "", &format!(", motor: {{speed: {speed}}}")));
-        let mut gap = 0.0f64;
-        while sim.state.time < until {
-            let report = sim.step();
-            assert!(report.warnings.is_empty(), "{n}: {:?}", report.warnings);
-            gap = sim.state.joints.iter().map(|joint| joint.violation).fold(gap, f64::max);
+    for settings in OPEN {
+        for (n, speed) in [(5, 30.0), (10, 20.0)] {
+            let (_, seen) = watched(&chain(n, settings, &format!(", motor: {{speed: {speed}}}")), 2.0);
+            assert!(seen.gap < 1e-6, "{settings} {n}: {} m", seen.gap);
         }
-        assert!(gap < 1e-6, "{n}: {gap} m");
     }
+}
+
+/// Links in a zigzag that a load pulls straight are thrown round by it within a few steps, which are taken in parts.
+#[test]
+fn a_load_that_pulls_a_zigzag_straight_gains_nothing() {
+    for settings in OPEN {
+        let mut sim = simulation(&zigzag(settings));
+        let mut kinetic = 0.0f64;
+        let mut parts = 0;
+        let start = sim.state.potential_energy(&sim.model);
+        while sim.state.time < 3.0 {
+            let report = sim.step();
+            assert!(report.warnings.is_empty(), "{settings}: {:?}", report.warnings);
+            kinetic = kinetic.max(sim.state.kinetic_energy(&sim.model));
+            parts = parts.max(report.parts);
+        }
+        let energy = sim.state.kinetic_energy(&sim.model) + sim.state.potential_energy(&sim.model);
+        assert!((energy - start).abs() < 0.03 * kinetic, "{settings}: {start} J, {energy} J");
+        assert!(parts > 1, "{settings}: in {parts} parts");
+    }
+}
+
+/// Ten links of 0.2 m at 60° to the horizontal, up and down, and a ball of 50 kg at their end.
+fn zigzag(settings: &str) -> String {
+    let mut bodies = format!("{settings}{MATERIALS}bodies:\n");
+    let mut joints = "joints:\n".to_owned();
+    let [mut x, mut z] = [0.0, 0.0];
+    for i in 0..10 {
+        let angle = if i % 2 == 0 { 60.0f64 } else { -60.0 };
+        let (sin, cos) = angle.to_radians().sin_cos();
+        let middle = [x + 0.5 * LINK * cos, 0.0, z - 0.5 * LINK * sin];
+        let before = if i == 0 { "world".to_owned() } else { format!("l{}", i - 1) };
+        writeln!(bodies, "  - {{name: l{i}, material: m, group: g, box: {{size: [{LINK}, 0.04, 0.04]}}, position: {middle:?}, rotate: {{axis: [0, 1, 0], angle: {angle}}}}}").unwrap();
+        writeln!(
+            joints,
+            "  - {{name: j{i}, kind: revolute, a: {before}, b: l{i}, position: [{x}, 0, {z}], axis: [0, 1, 0]}}"
+        )
+        .unwrap();
+        [x, z] = [x + LINK * cos, z - LINK * sin];
+    }
+    writeln!(
+        bodies,
+        "  - {{name: load, material: m, group: g, mass: 50, sphere: {{radius: 0.1}}, position: [{x}, 0, {z}]}}"
+    )
+    .unwrap();
+    writeln!(joints, "  - {{name: end, kind: spherical, a: l9, b: load, position: [{x}, 0, {z}]}}").unwrap();
+    bodies + &joints
+}
+
+/// Links of constant length turn though the bodies at their ends do not: a ball on a thread, by 0.1 and 0.5 rad a step; and a cart whose wheels carry
+/// their axles at their centres goes on in whole steps.
+#[test]
+fn links_turn_and_wheels_do_not_bend() {
+    for (kind, speed) in [("distance", 20.0), ("distance", 100.0), ("revolute_spherical", 100.0)] {
+        let (_, seen) = watched(
+            &format!(
+                "gravity: [0, 0, 0]
+step: 1e-3
+{MATERIALS}bodies: [{{name: ball, material: m, group: g, sphere: {{radius: 0.05}}, position: [0.2, 0, 0], velocity: [0, {speed}, 0]}}]
+joints: [{{name: thread, kind: {kind}, a: world, b: ball, position_b: [0.2, 0, 0], axis: [0, 0, 1]}}]
+"
+            ),
+            1.0,
+        );
+        assert!(seen.gap < 1e-6 && seen.gained().abs() < 2e-3, "{kind} {speed}: {} m, {}", seen.gap, seen.gained());
+    }
+    let wheel = |x: f64, y: f64, k: usize| {
+        let at = format!("position: [{x}, {y}, 0.05]");
+        let body = format!("  - {{name: w{k}, material: m, group: g, sphere: {{radius: 0.05}}, {at}}}\n");
+        (
+            body,
+            format!(
+                "  - {{name: j{k}, kind: revolute, a: chassis, b: w{k}, {at}, axis: [0, 1, 0], motor: {{torque: 0.3}}}}\n"
+            ),
+        )
+    };
+    let wheels = [(0.15, 0.1, 0), (0.15, -0.1, 1), (-0.15, 0.1, 2), (-0.15, -0.1, 3)].map(|(x, y, k)| wheel(x, y, k));
+    let mut sim = simulation(&format!(
+        "step: 1e-3\n{MATERIALS}bodies:\n  - {{name: ground, material: m, plane: {{normal: [0, 0, 1]}}}}\n  - {{name: chassis, material: m, group: g, mass: 5, box: {{size: [0.4, 0.15, 0.06]}}, position: [0, 0, 0.08]}}\n{}joints:\n{}",
+        wheels.iter().map(|(body, _)| &body[..]).collect::<String>(),
+        wheels.iter().map(|(_, joint)| &joint[..]).collect::<String>()
+    ));
+    for _ in 0..1500 {
+        let report = sim.step();
+        assert!(report.parts == 1 && report.warnings.is_empty(), "{} s: {} parts", report.time, report.parts);
+    }
+    assert!(sim.state.velocity[1].x > 2.0, "{}", sim.state.velocity[1]);
+}
+
+/// What rests beside a crank that is too fast for the step presses with its weight all the same, and a run goes on from the middle with the same bits.
+#[test]
+fn steps_in_parts_have_the_forces_of_whole_ones() {
+    let model = slider_crank("", 400.0, false).replacen(
+        "bodies:",
+        "bodies:\n  - {name: ground, material: m, plane: {normal: [0, 0, 1]}, position: [0, 0, -1]}\n  - {name: block, material: m, box: {size: [0.1, 0.1, 0.1]}, position: [0, 1, -0.95]}",
+        1,
+    );
+    let mut sim = simulation(&model);
+    let mut half = None;
+    for step in 0..200 {
+        if step == 100 {
+            half = Some(Simulation::new(sim.model.clone(), sim.state.clone()));
+        }
+        let report = sim.step();
+        assert!(report.parts > 1 && report.warnings.is_empty(), "{} parts, {:?}", report.parts, report.warnings);
+        let weight: f64 = sim.state.contacts.impulse.iter().map(|impulse| impulse.z).sum::<f64>() / sim.model.step;
+        assert!(step < 20 || (weight - 9.81).abs() < 1e-3, "{step}: {weight} N");
+    }
+    let mut half = half.unwrap();
+    (100..200).for_each(|_| drop(half.step()));
+    assert!(half.state.position == sim.state.position && half.state.velocity == sim.state.velocity);
+    assert_eq!(half.state.contacts.impulse, sim.state.contacts.impulse);
+    assert_eq!((sim.state.steps, sim.state.time), (200, 200.0 * sim.model.step));
 }
 
 #[test]
@@ -170,7 +280,8 @@ fn a_motor_too_fast_for_the_step_has_shorter_ones_or_is_said() {
         let (slow, mistaken) = (step(settings, "5"), step(settings, "1e6"));
         assert!(slow > fast && (0.95..1.05).contains(&(slow / 16.0 / mistaken)), "{settings}: {slow} s, {mistaken} s");
     }
-    let mut sim = simulation(&driven("", "2000"));
+    // Beyond what parts of a step resolve.
+    let mut sim = simulation(&driven("", "2e4"));
     (0..200).for_each(|_| drop(sim.step()));
     let said = &sim.state.watch.warnings.iter().find(|w| w.first.kind == sim::watch::WarningKind::Joint).unwrap().first;
     assert!(said.message.contains("joint `j") && said.message.contains("in a step: take steps of"), "{}", said.message);

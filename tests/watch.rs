@@ -92,7 +92,7 @@ fn a_violated_joint_is_reported() {
     let violated = "materials: {m: {density: 1000, friction: 0.5}}
 bodies:
   - {name: a, material: m, box: {size: [0.2, 0.2, 0.2]}}
-  - {name: b, material: m, box: {size: [0.2, 0.2, 0.2]}, position: [1, 0, 0], angular_velocity: [0, 4000, 0]}
+  - {name: b, material: m, box: {size: [0.2, 0.2, 0.2]}, position: [1, 0, 0], angular_velocity: [0, 20000, 0]}
 joints:
   - {name: pin, kind: spherical, a: a, b: b, position: [0.5, 0, 0]}
 ";

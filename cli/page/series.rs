@@ -21,7 +21,7 @@ const SOLVER: [(&str, &str, &str); 4] = [
 ];
 
 /// Columns of a report that are no stages.
-const OTHERS: [&str; 3] = ["step", "time", "limit"];
+const OTHERS: [&str; 4] = ["step", "time", "parts", "limit"];
 
 /// A column of a run's report.
 pub fn column<'a>(run: &'a RunData, name: &str) -> Option<&'a Curve> {

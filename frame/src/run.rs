@@ -4,7 +4,7 @@
 //! run.json              index of the run and its frames, rewritten whole after every frame
 //! model.yaml            the model, enough to run it again
 //! frames/000042.arrow   one table per frame (or .csv)
-//! report.csv            per step: contacts, iterations, residual, maximum penetration, milliseconds by stage
+//! report.csv            per step: contacts, iterations, residual, maximum penetration, parts, milliseconds by stage
 //! metadata.yaml         geometry and shaders of every class
 //! commands.txt          the commands that made the run, a line each
 //! ```

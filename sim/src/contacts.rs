@@ -110,6 +110,14 @@ impl Default for Arms {
 }
 
 impl Contacts {
+    /// Have all impulses grow by a factor, as those of a step of another length.
+    pub(crate) fn scale(&mut self, factor: f64) {
+        if factor != 1.0 {
+            let all = [&mut self.impulse, &mut self.rolling_impulse].into_iter().flatten();
+            all.for_each(|impulse| *impulse *= factor);
+        }
+    }
+
     /// Check that contacts, as a file gives them, are between bodies and shapes of a model with these counts.
     pub(crate) fn fit(&self, n_bodies: usize, n_shapes: usize, n_laws: usize) -> Result<(), String> {
         let (n, rolling) = (self.len(), self.rolling_impulse.len());

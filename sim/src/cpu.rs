@@ -201,6 +201,7 @@ impl Cpu {
         *self.solver.step_length() = state.step_length;
         (self.outcome.solver, self.outcome.worst) =
             contact_solve::run(model, plan, state, &mut contacts, columns, &mut self.solver);
+        self.outcome.bend = self.solver.bend();
         state.step_length = *self.solver.step_length();
         state.contacts = contacts;
     }

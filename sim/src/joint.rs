@@ -316,7 +316,7 @@ impl Joint {
     }
 
     /// Whether the joint has the length [`Joint::length`]; with limits it has any between them, as a rope.
-    fn has_length(&self) -> bool {
+    pub fn has_length(&self) -> bool {
         self.kind.coordinate() == Some(Coordinate::Length) && self.limits.is_none()
     }
 

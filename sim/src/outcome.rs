@@ -2,6 +2,7 @@
 
 use crate::contacts::Contacts;
 use crate::joint::Row;
+use crate::pace::Bend;
 use crate::state::State;
 use glam::DVec3;
 
@@ -26,6 +27,13 @@ pub struct JointErrors {
 }
 
 impl JointErrors {
+    /// The greater ones of two.
+    fn and(self, other: JointErrors) -> JointErrors {
+        // An error that is not finite is the maximum.
+        let worse = |a: (usize, f64), b: (usize, f64)| if b.1 <= a.1 { a } else { b };
+        JointErrors { length: worse(self.length, other.length), angle: worse(self.angle, other.angle) }
+    }
+
     pub(crate) fn add(&mut self, joint: usize, row: &Row, error: f64) {
         let worst = if row.linear == DVec3::ZERO { &mut self.angle } else { &mut self.length };
         // An error that is not finite is the maximum.
@@ -82,4 +90,29 @@ pub struct StepOutcome {
     /// Bound of the energy oscillation of springs that are integrated explicitly, J: the sum of h |F·v| with the step h, the force F
     /// and its velocity v.
     pub spring_oscillation: f64,
+    /// What the joints bend.
+    pub bend: Bend,
+    /// Number of parts in which the step was taken; 0 on a back end that takes none in parts.
+    pub parts: u32,
+}
+
+impl StepOutcome {
+    /// The outcome of this part of a step and the next one.
+    pub fn and(self, next: StepOutcome) -> StepOutcome {
+        // A residual that is not finite is the greater one.
+        let is_worse = self.solver.residual.is_nan() || self.solver.residual > next.solver.residual;
+        let (solver, worst) = match is_worse {
+            true => (self.solver, self.worst),
+            false => (next.solver, next.worst),
+        };
+        let iterations = self.solver.iterations + next.solver.iterations;
+        StepOutcome {
+            solver: Outcome { iterations, ..solver },
+            worst,
+            joints: self.joints.and(next.joints),
+            spring_oscillation: self.spring_oscillation.max(next.spring_oscillation),
+            bend: self.bend.and(next.bend),
+            ..next
+        }
+    }
 }

@@ -1,21 +1,19 @@
 //! A simulation: the step, on a back end.
 
 use crate::backend::Backend;
-use crate::contacts::Contacts;
 use crate::cpu::Cpu;
 use crate::gpu::{Fault, Gpu, Usage};
 use crate::joint::{JointState, SpringState};
-use crate::manifolds::Manifolds;
 use crate::model::Model;
 use crate::model_file::Probes;
 use crate::outcome::{Deepest, StepOutcome};
+use crate::parts::{self, Kept, Ran, StageTimes, run_stages};
 use crate::plan::StepPlan;
 use crate::probe::{self, Sums};
-use crate::stages::{Stage, check};
+use crate::stages::Stage;
 use crate::state::State;
 use crate::warning::{Broken, Warning};
 use crate::{sleep, watch};
-use std::time::Instant;
 
 /// The report of a step.
 #[derive(Clone, Debug, Default)]
@@ -32,11 +30,14 @@ pub struct StepReport {
     pub residual: f64,
     /// Maximum penetration at the step's start, m.
     pub worst_penetration: f64,
+    /// Number of parts in which the step was taken ([`Bend`](crate::Bend)).
+    pub parts: u32,
     /// Wall time of each stage, ms, in the order of [`Stage::ALL`]; 0 for a stage that was skipped.
     pub stage_ms: [f64; Stage::ALL.len()],
     /// Warnings of the step.
     pub warnings: Vec<Warning>,
-    /// What is to be known of it and is no fault: the first motor in the run that does not reach what it prescribes with its maximum effort.
+    /// What is to be known of it and is no fault: the first motor in the run that does not reach what it prescribes with its maximum effort, or the
+    /// first step that is taken in parts.
     pub note: Option<Warning>,
     /// Reason why the run cannot go on; none if it can.
     pub broken: Option<Broken>,
@@ -247,15 +248,9 @@ impl Simulation {
         }
         let (stage_ms, outcome, watched) = match engine {
             Engine::Cpu(cpu) => {
-                let stage_ms = loop {
-                    let stepped = run_stages(cpu.as_mut(), &Stage::ALL, (model, plan), state, is_checked);
-                    if let Some(stage_ms) = stepped.map_err(StepFault::Columns)? {
-                        break stage_ms;
-                    }
-                    // The plan is the same whether bodies sleep or move.
-                    cpu.prepare(model, state, plan);
-                };
-                (stage_ms, outcome_of(cpu, model, state), None)
+                let stepped = parts::step(cpu, (model, plan), state, is_checked);
+                let (stage_ms, outcome) = stepped.map_err(StepFault::Columns)?;
+                (stage_ms, outcome_of(outcome, model, state), None)
             }
             Engine::Gpu(gpu) => {
                 // Sleep is found in the columns of the state.
@@ -273,7 +268,7 @@ impl Simulation {
         let mut watch = std::mem::take(&mut state.watch);
         let survey = watched.unwrap_or_else(|| watch.survey(model, state));
         let (warnings, broken) = watch.check(model, state, (&outcome, &survey));
-        let note = watch.note(model, state);
+        let note = watch.note(model, state, &outcome);
         state.watch = watch;
         if let Some(speed) = model.solver.sleep
             && sleep::fall_asleep(model, state, speed)
@@ -294,6 +289,7 @@ impl Simulation {
             iterations: outcome.solver.iterations,
             residual: outcome.solver.residual,
             worst_penetration: outcome.worst_penetration,
+            parts: outcome.parts.max(1),
             stage_ms,
             warnings,
             note,
@@ -314,17 +310,17 @@ fn begin(model: &Model, mut state: State) -> (State, StepPlan) {
     (state, plan)
 }
 
-/// The outcome of a step of the CPU back end, all of whose stages have run.
-fn outcome_of(cpu: &Cpu, model: &Model, state: &mut State) -> StepOutcome {
+/// The outcome of a step of the CPU back end, all of whose stages have run, with what the state's contacts tell.
+fn outcome_of(outcome: StepOutcome, model: &Model, state: &mut State) -> StepOutcome {
     let contacts = state.contacts.len() + state.sleepers.contacts.len();
     let worst_penetration = state.worst_penetration();
     let may_be_deep = state.watch.may_be_deep(model, worst_penetration);
     let deepest = if may_be_deep { Deepest::of(state, |s| model.inradius(s)) } else { None };
-    StepOutcome { contacts, worst_penetration, deepest, ..cpu.outcome() }
+    StepOutcome { contacts, worst_penetration, deepest, ..outcome }
 }
 
 /// Times of the stages, ms, the outcome of a step, and the survey of its bodies where a device has one.
-type Watched = ([f64; Stage::ALL.len()], StepOutcome, Option<watch::Survey>);
+type Watched = (StageTimes, StepOutcome, Option<watch::Survey>);
 
 /// Take a step whose first stages are the processor's and whose others are the device's.
 fn split_step(
@@ -336,15 +332,15 @@ fn split_step(
     let from = gpu.from();
     let before = &Stage::ALL[..from as usize];
     loop {
-        let kept = Kept::of(state);
-        let run = run_stages(cpu, before, (model, plan), state, is_checked).map_err(StepFault::Columns)?;
-        if let Some(mut stage_ms) = run {
+        let kept = Kept::of(state, false);
+        let ran = run_stages(cpu, before, (model, plan), state, (is_checked, None)).map_err(StepFault::Columns)?;
+        if let Ran::Whole(mut stage_ms) = ran {
             gpu.give(cpu.given(from, model, state));
             if let Some(mut stepped) = gpu.try_step(model, plan, state)? {
                 if from == Stage::Integrate {
                     // Joints are the processor's, and the bodies that they act on; the others are fetched.
-                    run_stages(cpu, &[from], (model, plan), state, is_checked).map_err(StepFault::Columns)?;
-                    stepped.outcome = outcome_of(cpu, model, state);
+                    run_stages(cpu, &[from], (model, plan), state, (is_checked, None)).map_err(StepFault::Columns)?;
+                    stepped.outcome = outcome_of(cpu.outcome(), model, state);
                 }
                 gpu.fetch(model, state)?;
                 // In single precision their lengths are off by 1e-7, by which velocities would grow or shrink in each step.
@@ -362,61 +358,4 @@ fn split_step(
         cpu.prepare(model, state, plan);
         gpu.renew(model, state, plan)?;
     }
-}
-
-/// What the stages change of a state before the bodies move.
-struct Kept {
-    contacts: Contacts,
-    manifolds: Manifolds,
-    step_length: f64,
-}
-
-impl Kept {
-    /// That of a state in which bodies sleep, so that the step may begin again.
-    fn of(state: &State) -> Option<Kept> {
-        let State { contacts, manifolds, step_length, .. } = state;
-        let kept = || Kept { contacts: contacts.clone(), manifolds: manifolds.clone(), step_length: *step_length };
-        (!state.sleepers.are_none()).then(kept)
-    }
-
-    /// Begin the step again.
-    fn restore(self, state: &mut State) {
-        (state.contacts, state.manifolds, state.step_length) = (self.contacts, self.manifolds, self.step_length);
-    }
-}
-
-/// Run stages of a step. Returns the wall time of each, ms; none where a body has woken that the step will touch: it begins again then.
-fn run_stages(
-    backend: &mut dyn Backend,
-    stages: &[Stage],
-    (model, plan): (&Model, &StepPlan),
-    state: &mut State,
-    is_checked: bool,
-) -> Result<Option<[f64; Stage::ALL.len()]>, String> {
-    let mut stage_ms = [0.0; Stage::ALL.len()];
-    let mut last = Instant::now();
-    let mut before = None;
-    for stage in stages.iter().copied() {
-        if stage == Stage::ContactWrite {
-            before = Kept::of(state);
-        }
-        let has_run = backend.run(stage, model, plan, state);
-        if before.is_some() && matches!(stage, Stage::ContactWrite | Stage::ContactSolve) {
-            let touched = sleep::touched(model, state, stage == Stage::ContactSolve);
-            if let Some(before) = before.take_if(|_| !touched.is_empty()) {
-                before.restore(state);
-                sleep::rouse(state, touched);
-                return Ok(None);
-            }
-        }
-        let now = Instant::now();
-        if has_run {
-            stage_ms[stage as usize] = (now - last).as_secs_f64() * 1e3;
-            if is_checked {
-                check(stage, model, plan, state, |column| backend.column(state, column))?;
-            }
-        }
-        last = Instant::now();
-    }
-    Ok(Some(stage_ms))
 }

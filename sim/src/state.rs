@@ -5,6 +5,7 @@ use crate::contacts::Contacts;
 use crate::joint::{Frames, Joint, JointState, Spring, SpringState};
 use crate::manifolds::Manifolds;
 use crate::model::{Model, Scheduled};
+use crate::pace::Pace;
 use crate::pose::Pose;
 use crate::shape::FARTHEST;
 use crate::sleepers::{AWAKE, Sleepers};
@@ -54,6 +55,8 @@ pub struct State {
     pub springs: Vec<SpringState>,
     /// Step length of the last APGD solve, from which the next one starts; 0 before the first.
     pub step_length: f64,
+    /// The parts that steps are taken in.
+    pub pace: Pace,
     /// The bodies that sleep.
     pub sleepers: Sleepers,
     /// State of the [`watch`](crate::watch) over the run.
@@ -87,6 +90,9 @@ impl State {
             return Err(format!(
                 "has a body {b} that is nowhere: its position, orientation or velocity is no such thing"
             ));
+        }
+        if !self.pace.is_sound() {
+            return Err("has parts of steps that there are not".into());
         }
         if !self.time.is_finite() || !self.step_length.is_finite() {
             return Err("has a time or a step length that is not finite".into());

@@ -205,20 +205,21 @@ pub fn contacts_of(model: &Model, state: &State, index: u64) -> Frame {
 /// Header of `report.csv`, with its line break: names and units of the quantities of a [`StepReport`], a column for each stage's time.
 pub fn report_header() -> String {
     let stages: Vec<String> = Stage::ALL.iter().map(|s| format!("{} [ms]", s.name())).collect();
-    format!("step,time [s],contacts,iterations,residual [m/s],worst_penetration [m],{}\n", stages.join(","))
+    format!("step,time [s],contacts,iterations,residual [m/s],worst_penetration [m],parts,{}\n", stages.join(","))
 }
 
 /// Line of `report.csv` for a step, with its line break; the values are in the order of [`report_header`].
 pub fn report_line(r: &StepReport) -> String {
     let stages: Vec<String> = r.stage_ms.iter().map(|ms| format!("{ms:.4}")).collect();
     format!(
-        "{},{:.9},{},{},{:.6e},{:.6e},{}\n",
+        "{},{:.9},{},{},{:.6e},{:.6e},{},{}\n",
         r.step,
         r.time,
         r.contacts,
         r.iterations,
         r.residual,
         r.worst_penetration,
+        r.parts,
         stages.join(",")
     )
 }

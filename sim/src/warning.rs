@@ -122,6 +122,8 @@ pub struct WatchState {
     pub(crate) swings: Vec<Swing>,
     /// Joints whose motors have been said to stand still or to be driven back at their maximum effort.
     pub(crate) noted: Vec<u32>,
+    /// Whether it has been said that steps are taken in parts.
+    pub(crate) has_parts: bool,
     /// Warnings so far, by kind, in order of their first step.
     pub warnings: Vec<WarningCount>,
 }

@@ -247,9 +247,31 @@ impl WatchState {
         })
     }
 
-    /// Say of a motor that stands still or is driven back at its maximum effort that it does not reach what it prescribes: once in a run of each of the
-    /// first few, since that is what they are asked for.
-    pub fn note(&mut self, model: &Model, state: &State) -> Option<Warning> {
+    /// Say what is to be known of a step and is no fault: of a motor that stands still, or of the first step that is taken in parts.
+    pub fn note(&mut self, model: &Model, state: &State, seen: &StepOutcome) -> Option<Warning> {
+        let of = |kind, message| Warning { kind, step: state.steps, time: state.time, message };
+        if let Some(message) = self.stalled(model, state) {
+            return Some(of(WarningKind::Motor, message));
+        }
+        if seen.parts <= 1 || self.has_parts {
+            return None;
+        }
+        self.has_parts = true;
+        let on_joints = model.joints.iter().flat_map(|joint| joint.bodies);
+        let rate = |b: &u32| state.angular_velocity[*b as usize].length();
+        let fastest = on_joints.max_by(|a, b| rate(a).total_cmp(&rate(b)))?;
+        let (parts, turn, named) = (seen.parts, rate(&fastest) * model.step, label(model, fastest));
+        Some(of(
+            WarningKind::Joint,
+            format!(
+                "joints bend too much for a whole step, in which body {named} turns by {turn:.2} rad: it was taken in {parts} parts, as others will be (`parts` of report.csv)"
+            ),
+        ))
+    }
+
+    /// A message about a motor that stands still or is driven back at its maximum effort: once in a run of each of the first few, since that is what
+    /// they are asked for.
+    fn stalled(&mut self, model: &Model, state: &State) -> Option<String> {
         /// The most motors that are spoken of.
         const MOST: usize = 5;
         if self.noted.len() == MOST || model.joints.iter().all(|joint| joint.max_effort.is_none()) {
@@ -263,7 +285,7 @@ impl WatchState {
         let lag = |i: usize| self.lag(model, state, i).map(|(_, message)| (i, message));
         let (joint, message) = (0..model.joints.len()).filter(is_new).filter(stalls).find_map(lag)?;
         self.noted.push(joint as u32);
-        Some(Warning { kind: WarningKind::Motor, step: state.steps, time: state.time, message })
+        Some(format!("{message}; this is said once of each motor, of the first few"))
     }
 
     /// The motor without a maximum effort that is farthest from what it prescribes, of those beyond their bounds.

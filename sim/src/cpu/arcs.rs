@@ -4,7 +4,7 @@
 //! factor, until Ψ is 0 at the end. So the step is that of SHAKE: the forces of joints act in the directions of its start, the bodies move
 //! freely from there, and the energy of a mechanism neither grows nor falls in the mean. One such solve, or two, would not do: what is left
 //! has a sign, and energy grows by it without end (that of a slider-crank that turns by 0.18 rad in a step doubles within seconds).
-//! Where solves do not come nearer, as where links turn by half a radian in a step, or a chain without slack is stiff by its compliance alone,
+//! What bends so much that this is not enough takes the step in parts ([`crate::pace`]). Where solves do not come nearer, as where links turn by half a radian in a step, or a chain without slack is stiff by its compliance alone,
 //! the rows stay linear for the step, by which energy is lost. So they do where the bodies on joints are light links under heavy loads. Rates that
 //! motors prescribe, motors with a maximum effort, springs and geometric stiffness are always linear.
 //! Source: Ryckaert, Ciccotti and Berendsen, *Numerical integration of the Cartesian equations of motion of a system with constraints* (1977).
@@ -14,12 +14,15 @@ use super::joint_write::Limits;
 use super::masses::Masses;
 use super::solve::joints::Joints;
 use super::solve::response::Response;
+use crate::inertia::gyration;
 use crate::joint::{Frames, Joint, Motor, Row};
 use crate::model::Model;
+use crate::pace::Bend;
 use crate::pose::Pose;
 use crate::rows::{fill_rows, scatter_rows};
 use crate::state::State;
 use crate::twist::Twist;
+use glam::DVec3;
 
 /// What is left of a rate Ψ/h at the end, over the speed that the row's bodies have by turning and against each other.
 const LEFT: f64 = 1e-6;
@@ -31,6 +34,8 @@ const MOST: usize = 30;
 const FARTHER: f64 = 10.0;
 /// What may be left over what shall be left, where there are no more solves.
 const ENOUGH: f64 = 30.0;
+/// Turn of a body in a step below which its rows are straight, rad.
+const TURNS: f64 = 1e-3;
 
 /// The rows of the joints.
 pub struct Linear<'a> {
@@ -49,11 +54,13 @@ pub struct Arcs {
     pose: Vec<Pose>,
     /// The same, side by side.
     held: Vec<Pose>,
-    /// Bias of the rows on their arcs, m/s or rad/s, and what is left at the end over what may be (n_rows).
-    found: Vec<[f64; 2]>,
+    /// Bias of the rows on their arcs, m/s or rad/s, what is left at the end over what may be, and over the speed of bodies that turn (n_rows).
+    found: Vec<[f64; 3]>,
     /// The linear rows: what they let the bodies do, and their bias.
     straight: Response,
     straight_bias: Vec<f64>,
+    /// What the joints bend in this step.
+    pub bend: Bend,
 }
 
 impl Arcs {
@@ -95,11 +102,12 @@ impl Arcs {
     /// Solve until little is left, and else let the rows be linear.
     fn bend(&mut self, at: (&Model, &State), linear: &mut Linear, response: &mut Response) {
         // What turns by so little stays on its rows.
-        let turns = |b: &u32| response.twist[*b as usize].w.length() * at.0.step > LEFT;
-        if !linear.joints.held().iter().any(turns) {
+        let [turn, change] = turning(at, linear, response);
+        if turn <= LEFT {
             return;
         }
         let first = self.find(at, linear, response);
+        let bent = self.found.iter().fold(0.0f64, |most, [_, _, bent]| most.max(*bent));
         if first <= 1.0 {
             return;
         }
@@ -108,14 +116,16 @@ impl Arcs {
         let (mut left, mut least) = (first, first);
         for _ in 0..MOST {
             least = left.min(least);
-            linear.joints.bias.iter_mut().zip(&self.found).for_each(|(bias, [on_arc, _])| *bias = *on_arc);
+            linear.joints.bias.iter_mut().zip(&self.found).for_each(|(bias, [on_arc, ..])| *bias = *on_arc);
             linear.joints.solve(linear.masses, response);
             left = self.find(at, linear, response);
             if left <= 1.0 || !(left < FARTHER * least) {
                 break;
             }
         }
-        if !(left < ENOUGH) {
+        let is_lost = !(left < ENOUGH);
+        self.bend = self.bend.and(Bend { turn, bent, change, is_lost });
+        if is_lost {
             response.copy_from(&self.straight);
             linear.joints.bias.clone_from(&self.straight_bias);
         }
@@ -128,7 +138,7 @@ impl Arcs {
         let n = start[model.joints.len()] as usize;
         let (found, poses) = (&mut self.found, &self.pose);
         found.clear();
-        found.extend(joints.bias[..n].iter().map(|bias| [*bias, 0.0]));
+        found.extend(joints.bias[..n].iter().map(|bias| [*bias, 0.0, 0.0]));
         // What is too far off comes back bit by bit.
         let farthest = model.solver.recovery_speed.max(1.0);
         scatter_rows(found, &start[..=model.joints.len()], |i, out| {
@@ -141,6 +151,8 @@ impl Arcs {
             let mut ends = Vec::with_capacity(out.len());
             joint.rows(&frames, &state.joints[i], (state.time + h, h), &mut ends);
             let first = start[i] as usize;
+            // Of lengths and of angles: a row along an arm has no speed by its turning.
+            let [mut lefts, mut speeds] = [[0.0f64; 2]; 2];
             for (k, (out, end)) in out.iter_mut().zip(&ends).enumerate().take(n_bent(joint, ends.len())) {
                 let row = &joints.rows[first + k];
                 if row.psi.abs() > farthest {
@@ -148,10 +160,21 @@ impl Arcs {
                 }
                 let [a, b] = row.bodies.map(|b| response.twist[b as usize]);
                 let left = end.psi / h + joints.given(first + k, response);
-                *out = [end.psi / h - row.speed(a, b), left.abs() / (LEFT * speed_of(row, a, b) + ROUNDING)];
+                let speed = speed_of(row, a, b);
+                let turns = joint.has_length() || a.w.length().max(b.w.length()) * h > TURNS;
+                *out = [end.psi / h - row.speed(a, b), left.abs() / (LEFT * speed + ROUNDING), 0.0];
+                let kind = usize::from(row.linear == DVec3::ZERO);
+                if turns {
+                    // A wheel that carries its axle at its centre has no speed there.
+                    let spin = [(a, row.bodies[0]), (b, row.bodies[1])].map(|(twist, b)| spin_speed(model, b, twist));
+                    let speed = speed.max(if kind == 0 { spin[0].max(spin[1]) } else { 0.0 });
+                    (lefts[kind], speeds[kind]) = (left.abs().max(lefts[kind]), speed.max(speeds[kind]));
+                }
             }
+            let bent = |k: usize| lefts[k] / (speeds[k] + ROUNDING);
+            out[0][2] = bent(0).max(bent(1));
         });
-        found.iter().fold(0.0, |most, [_, left]| if *left > most || left.is_nan() { *left } else { most })
+        found.iter().fold(0.0, |most, [_, left, _]| if *left > most || left.is_nan() { *left } else { most })
     }
 
     /// The poses at the end of the bodies that have rows.
@@ -178,6 +201,38 @@ fn n_bent(joint: &Joint, n: usize) -> usize {
         Some(Motor::Position(_)) if joint.max_effort.is_some() => n - 1,
         _ => n,
     }
+}
+
+/// The greatest turn of a body on joints, or of a link of constant length, and the greatest change of such a rate, times the step; rad.
+fn turning((model, state): (&Model, &State), linear: &Linear, response: &Response) -> [f64; 2] {
+    let h = model.step;
+    let of_rates = |[most, change]: [f64; 2], [before, after]: [DVec3; 2]| {
+        [(after.length() * h).max(most), ((after - before).length() * h).max(change)]
+    };
+    let of_body = |b: &u32| [state.twist(*b as usize).w, response.twist[*b as usize].w];
+    let bodies = linear.joints.held().iter().map(of_body).fold([0.0; 2], of_rates);
+    let links = model.joints.iter().enumerate().filter(|(i, joint)| {
+        let rows = linear.start[*i]..linear.start[*i + 1];
+        joint.has_length() && !rows.is_empty()
+    });
+    let of_link = |(_, joint): (usize, &Joint)| {
+        let f = state.joint_frames(joint);
+        let (along, arms) = (f.offset(), f.arms());
+        let rate = |twists: [Twist; 2]| {
+            let [a, b] = [0, 1].map(|k| twists[k].v + twists[k].w.cross(arms[k]));
+            along.cross(b - a) / along.length_squared().max(f64::MIN_POSITIVE)
+        };
+        let now = joint.bodies.map(|b| state.twist(b as usize));
+        let moved = |b: u32| if state.moves(b as usize) { response.twist[b as usize] } else { Twist::default() };
+        [rate(now), rate(joint.bodies.map(moved))]
+    };
+    links.map(of_link).fold(bodies, of_rates)
+}
+
+/// The speed of a body by turning, at its radius of gyration, m/s.
+fn spin_speed(model: &Model, b: u32, twist: Twist) -> f64 {
+    let (mass, moment) = (model.inv_mass[b as usize], model.inv_inertia[b as usize].max_element());
+    if mass > 0.0 && moment > 0.0 { gyration(mass, moment) * twist.w.length() } else { 0.0 }
 }
 
 /// The speed that two bodies have by turning, at the arms of a row, and against each other.

@@ -49,6 +49,7 @@ use crate::contacts::Contacts;
 use crate::joint::Row;
 use crate::model::Model;
 use crate::outcome::Outcome;
+use crate::pace::Bend;
 use crate::plan::{ContactMethod, Narrow, StepPlan};
 use crate::rows::fill_rows;
 use crate::settings::SolverSettings;
@@ -115,6 +116,7 @@ pub fn run(
     work: &mut Workspace,
 ) -> (Outcome, Option<[u32; 2]>) {
     let n_motors = columns.joints.motors.len();
+    work.arcs.bend = Bend::default();
     if n_motors == 0 {
         return solve_once((model, plan, state), contacts, columns, work);
     }
@@ -318,6 +320,11 @@ impl Workspace {
     /// Release the memory of columns that the next solve lays out again.
     pub fn release(&mut self) {
         self.sweeps.release();
+    }
+
+    /// What the joints bend in the last solve's step.
+    pub fn bend(&self) -> Bend {
+        self.arcs.bend
     }
 
     /// The step length of APGD, which is part of the state.
