@@ -4,8 +4,8 @@
 //! factor, until Ψ is 0 at the end. So the step is that of SHAKE: the forces of joints act in the directions of its start, the bodies move
 //! freely from there, and the energy of a mechanism neither grows nor falls in the mean. One such solve, or two, would not do: what is left
 //! has a sign, and energy grows by it without end (that of a slider-crank that turns by 0.18 rad in a step doubles within seconds).
-//! What bends so much that this is not enough takes the step in parts ([`crate::pace`]). Where solves do not come nearer, as where links turn by half a radian in a step, or a chain without slack is stiff by its compliance alone,
-//! the rows stay linear for the step, by which energy is lost. So they do where the bodies on joints are light links under heavy loads. Rates that
+//! A step that bends too much for this is taken in parts ([`crate::pace`]). Where solves do not come nearer all the same, or where nothing turns, as
+//! in a chain without slack, which is stiff by its compliance alone, the rows stay linear for the step, by which energy is lost. So they do where the bodies on joints are light links under heavy loads. Rates that
 //! motors prescribe, motors with a maximum effort, springs and geometric stiffness are always linear.
 //! Source: Ryckaert, Ciccotti and Berendsen, *Numerical integration of the Cartesian equations of motion of a system with constraints* (1977).
 
