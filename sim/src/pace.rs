@@ -96,7 +96,7 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// The pace after a step in so many parts, of which none bent by more than `bend`. What is divided at one point of a turn and not at another has
+    /// The pace after a step in `parts` parts; none of them bent by more than `bend`. What is divided at one point of a turn and not at another has
     /// more energy or less after each turn: parts become longer once a turn has not asked for short ones, or where hardly anything turns.
     pub fn after(self, parts: u32, bend: Bend) -> Pace {
         let (turned, since) = match parts == self.parts {

@@ -5,8 +5,8 @@
 //! freely from there, and the energy of a mechanism neither grows nor falls in the mean. One such solve, or two, would not do: what is left
 //! has a sign, and energy grows by it without end (that of a slider-crank that turns by 0.18 rad in a step doubles within seconds).
 //! A step that bends too much for this is taken in parts ([`crate::pace`]). Where solves do not come nearer all the same, or where nothing turns, as
-//! in a chain without slack, which is stiff by its compliance alone, the rows stay linear for the step, by which energy is lost. So they do where the bodies on joints are light links under heavy loads. Rates that
-//! motors prescribe, motors with a maximum effort, springs and geometric stiffness are always linear.
+//! in a chain without slack, which is stiff by its compliance alone, the rows stay linear for the step, by which energy is lost. So they do where the
+//! bodies on joints are light links under heavy loads. Rates that motors prescribe, motors with a maximum effort, springs and geometric stiffness are always linear.
 //! Source: Ryckaert, Ciccotti and Berendsen, *Numerical integration of the Cartesian equations of motion of a system with constraints* (1977).
 
 use super::integrate::moved_pose;
@@ -165,10 +165,12 @@ impl Arcs {
                 *out = [end.psi / h - row.speed(a, b), left.abs() / (LEFT * speed + ROUNDING), 0.0];
                 let kind = usize::from(row.linear == DVec3::ZERO);
                 if turns {
-                    // A wheel that carries its axle at its centre has no speed there.
-                    let spin = [(a, row.bodies[0]), (b, row.bodies[1])].map(|(twist, b)| spin_speed(model, b, twist));
-                    let speed = speed.max(if kind == 0 { spin[0].max(spin[1]) } else { 0.0 });
                     (lefts[kind], speeds[kind]) = (left.abs().max(lefts[kind]), speed.max(speeds[kind]));
+                    if kind == 0 {
+                        // A wheel that carries its axle at its centre has no speed there.
+                        let spins = [0, 1].map(|k| spin_speed(model, row.bodies[k], [a, b][k]));
+                        speeds[0] = spins[0].max(spins[1]).max(speeds[0]);
+                    }
                 }
             }
             let bent = |k: usize| lefts[k] / (speeds[k] + ROUNDING);
@@ -231,8 +233,7 @@ fn turning((model, state): (&Model, &State), linear: &Linear, response: &Respons
 
 /// The speed of a body by turning, at its radius of gyration, m/s.
 fn spin_speed(model: &Model, b: u32, twist: Twist) -> f64 {
-    let (mass, moment) = (model.inv_mass[b as usize], model.inv_inertia[b as usize].max_element());
-    if mass > 0.0 && moment > 0.0 { gyration(mass, moment) * twist.w.length() } else { 0.0 }
+    gyration(model.inv_mass[b as usize], model.inv_inertia[b as usize].max_element()) * twist.w.length()
 }
 
 /// The speed that two bodies have by turning, at the arms of a row, and against each other.
