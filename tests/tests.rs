@@ -29,6 +29,7 @@ mod interface;
 mod joints;
 mod lanes;
 mod language;
+mod lasting;
 mod layers;
 mod light;
 mod looks;

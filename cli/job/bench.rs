@@ -108,7 +108,7 @@ fn sim_bench(args: &BenchSimArgs) -> Outcome<SimBench> {
     let quality = args.quality.map_or(Quality::Normal, Quality::from);
     let mut model = workload::scene(convex, n);
     model.file.quality = Some(quality);
-    let mut simulation = model.simulation()?;
+    let mut simulation = model.into_simulation()?;
     settle(args, &mut simulation.model.solver);
     simulation.model.step = args.step.unwrap_or(simulation.model.step);
     let steps = args.steps.unwrap_or((seconds / simulation.model.step).round() as u64);

@@ -8,7 +8,6 @@ use crate::model_file::{
 };
 use frame::Fault;
 use frame::yaml::Document;
-use std::borrow::Cow;
 
 /// Builder of a model in code: a [`ModelFile`] that is filled by calls. Every key of a model file is a field of the values that the
 /// calls return, or of [`ModelBuilder::file`].
@@ -76,15 +75,20 @@ impl ModelBuilder {
     ///
     /// # Errors
     /// The faults that a model file with this content would have.
-    #[allow(clippy::field_reassign_with_default, reason = "a document's other fields are its own")]
     pub fn simulation(&self) -> Result<Simulation, Fault> {
+        self.clone().into_simulation()
+    }
+
+    /// [`ModelBuilder::simulation`] of a model that is not needed any more.
+    ///
+    /// # Errors
+    /// The same.
+    #[allow(clippy::field_reassign_with_default, reason = "a document's other fields are its own")]
+    pub fn into_simulation(mut self) -> Result<Simulation, Fault> {
         let mut doc = Document::default();
         doc.path = self.file.name.clone().into();
-        let mut file = Cow::Borrowed(&self.file);
-        if file.quality.is_some() {
-            file.to_mut().choose(&doc)?;
-        }
-        let resolved = file.resolve(&doc)?;
+        self.file.choose(&doc)?;
+        let resolved = self.file.resolve(&doc)?;
         Ok(Simulation::new(resolved.model, resolved.state))
     }
 }

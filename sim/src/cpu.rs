@@ -189,10 +189,12 @@ impl Cpu {
 
     fn contact_solve(&mut self, model: &Model, plan: &StepPlan, state: &mut State) {
         let mut contacts = std::mem::take(&mut state.contacts);
+        let mut joint_factor = std::mem::take(&mut state.joint_factor);
         let columns = contact_solve::Columns {
             masses: &self.masses,
             free: &self.free,
             joints: &mut self.joints,
+            joint_factor: &mut joint_factor,
             joint_start: &self.joint_start,
             limits: &mut self.limits,
             response: &mut self.response,
@@ -202,7 +204,7 @@ impl Cpu {
         (self.outcome.solver, self.outcome.worst) =
             contact_solve::run(model, plan, state, &mut contacts, columns, &mut self.solver);
         self.outcome.bend = self.solver.bend();
-        state.step_length = *self.solver.step_length();
+        (state.step_length, state.joint_factor) = (*self.solver.step_length(), joint_factor);
         state.contacts = contacts;
     }
 }

@@ -170,7 +170,7 @@ pub struct SpringState {
 }
 
 /// A row: a scalar constraint `Ψ = 0` between two bodies, in the world frame; [the module](self) has `dΨ/dt`.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Row {
     /// Ids of bodies A and B.
     pub bodies: [u32; 2],

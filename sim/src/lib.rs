@@ -68,6 +68,7 @@ pub use backend::Backend;
 pub use body_names::BodyNames;
 pub use builder::ModelBuilder;
 pub use contacts::{Arms, Contacts, Tiles};
+pub use cpu::solve::joints::JointFactor;
 pub use fill::SplitMix64;
 pub use lanes::{Registers, registers};
 pub use model::{ContactLaw, Model, Scheduled};

@@ -3,6 +3,7 @@
 use crate::backend::Backend;
 use crate::contacts::Contacts;
 use crate::cpu::Cpu;
+use crate::cpu::solve::joints::JointFactor;
 use crate::manifolds::Manifolds;
 use crate::model::Model;
 use crate::outcome::StepOutcome;
@@ -70,19 +71,25 @@ pub struct Kept {
     contacts: Contacts,
     manifolds: Manifolds,
     step_length: f64,
+    joint_factor: JointFactor,
 }
 
 impl Kept {
     /// That of a state from which the step may begin again: one in which bodies sleep, or whose step `may_divide`.
     pub fn of(state: &State, may_divide: bool) -> Option<Kept> {
-        let State { contacts, manifolds, step_length, .. } = state;
-        let kept = || Kept { contacts: contacts.clone(), manifolds: manifolds.clone(), step_length: *step_length };
+        let kept = || Kept {
+            contacts: state.contacts.clone(),
+            manifolds: state.manifolds.clone(),
+            step_length: state.step_length,
+            joint_factor: state.joint_factor.clone(),
+        };
         (may_divide || !state.sleepers.are_none()).then(kept)
     }
 
     /// Begin the step again.
     pub fn restore(self, state: &mut State) {
-        (state.contacts, state.manifolds, state.step_length) = (self.contacts, self.manifolds, self.step_length);
+        (state.contacts, state.manifolds) = (self.contacts, self.manifolds);
+        (state.step_length, state.joint_factor) = (self.step_length, self.joint_factor);
     }
 }
 

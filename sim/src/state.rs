@@ -2,6 +2,7 @@
 
 use crate::aabb::Aabb;
 use crate::contacts::Contacts;
+use crate::cpu::solve::joints::JointFactor;
 use crate::joint::{Frames, Joint, JointState, Spring, SpringState};
 use crate::manifolds::Manifolds;
 use crate::model::{Model, Scheduled};
@@ -55,6 +56,8 @@ pub struct State {
     pub springs: Vec<SpringState>,
     /// Step length of the last APGD solve, from which the next one starts; 0 before the first.
     pub step_length: f64,
+    /// The factorisation of the joints for the steps to come.
+    pub joint_factor: JointFactor,
     /// The parts that steps are taken in.
     pub pace: Pace,
     /// The bodies that sleep.
@@ -97,6 +100,7 @@ impl State {
         if !self.time.is_finite() || !self.step_length.is_finite() {
             return Err("has a time or a step length that is not finite".into());
         }
+        self.joint_factor.fit(n)?;
         self.contacts.fit(n, model.n_shapes(), model.laws.len())?;
         self.sleepers.fit(n, model.n_shapes(), model.laws.len())?;
         let sleeps = |b: usize| self.sleepers.island.get(b).is_some_and(|island| *island != AWAKE);

@@ -135,7 +135,8 @@ impl Steps<'_> {
     fn resting(&self, n: usize, add: Add) -> Result<(), Fault> {
         let row = Row { workload: "resting", n, method: Method::GaussSeidel, radius: 0.075 };
         add(self.row(row, || {
-            let mut bed = workload::mixed(n).simulation().map_err(|fault| Fault::Unsupported(fault.to_string()))?;
+            let mut bed =
+                workload::mixed(n).into_simulation().map_err(|fault| Fault::Unsupported(fault.to_string()))?;
             let (step, solver) = Quality::Normal.settings(&bed.model, &bed.state, None);
             (bed.model.step, bed.model.solver) = (step, SolverSettings { start_iterations: None, ..solver });
             let moves: Vec<bool> = bed.model.inv_mass.iter().map(|inv_mass| *inv_mass > 0.0).collect();

@@ -61,6 +61,8 @@ pub struct Arcs {
     straight_bias: Vec<f64>,
     /// What the joints bend in this step.
     pub bend: Bend,
+    /// How far bodies on joints turn in it, rad.
+    pub turn: f64,
 }
 
 impl Arcs {
@@ -94,8 +96,11 @@ impl Arcs {
 
     /// Let the joints hold at the end of the step with a response, with what else acts on their bodies.
     pub fn hold(&mut self, at: (&Model, &State), mut linear: Linear, response: &mut Response) {
+        self.turn = 0.0;
         if bends(&linear) {
             self.bend(at, &mut linear, response);
+        } else {
+            linear.joints.finish(linear.masses, response);
         }
     }
 
@@ -103,8 +108,9 @@ impl Arcs {
     fn bend(&mut self, at: (&Model, &State), linear: &mut Linear, response: &mut Response) {
         // What turns by so little stays on its rows.
         let [turn, change] = turning(at, linear, response);
+        self.turn = turn;
         if turn <= LEFT {
-            return;
+            return linear.joints.finish(linear.masses, response);
         }
         let first = self.find(at, linear, response);
         let bent = self.found.iter().fold(0.0f64, |most, [_, _, bent]| most.max(*bent));
@@ -113,13 +119,18 @@ impl Arcs {
         }
         self.straight.copy_from(response);
         self.straight_bias.clone_from(&linear.joints.bias);
+        let was_old = linear.joints.is_old();
         let (mut left, mut least) = (first, first);
         for _ in 0..MOST {
             least = left.min(least);
+            let before = left;
             linear.joints.bias.iter_mut().zip(&self.found).for_each(|(bias, [on_arc, ..])| *bias = *on_arc);
             linear.joints.solve(linear.masses, response);
             left = self.find(at, linear, response);
-            if left <= 1.0 || !(left < FARTHER * least) {
+            if left <= 1.0 {
+                break;
+            }
+            if !linear.joints.renew_if_slow(linear.masses, left, before) && !(left < FARTHER * least) {
                 break;
             }
         }
@@ -128,6 +139,10 @@ impl Arcs {
         if is_lost {
             response.copy_from(&self.straight);
             linear.joints.bias.clone_from(&self.straight_bias);
+            if was_old {
+                linear.joints.solve(linear.masses, response);
+                linear.joints.finish(linear.masses, response);
+            }
         }
     }
 

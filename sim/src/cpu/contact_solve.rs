@@ -18,6 +18,7 @@
 //! in     limit_joint       [n_limits]
 //! inout  joint_bias        [n_rows]       m/s: on the arcs of the step
 //! inout  limit             [n_limits]     the same
+//! inout  joint_factor           a factorisation of the joints, which later steps go on with
 //! inout  impulse           [n_contacts]   N s, world: the starting point, then the solution
 //! inout  rolling_impulse   [n_contacts]   N m s, world
 //! out    motion            [n_bodies]     m/s and rad/s, world
@@ -36,7 +37,7 @@ use super::masses::Masses;
 use super::solve::bodies::{BodyOperator, Falling, Free, Offset, Recovery};
 use super::solve::exact;
 use super::solve::iterates::Iterates;
-use super::solve::joints::Joints;
+use super::solve::joints::{JointFactor, Joints};
 use super::solve::motors::{ROUNDS, most_rounds};
 use super::solve::operator::Operator;
 use super::solve::overlaps::{self, Displacement};
@@ -67,6 +68,8 @@ pub struct Columns<'a> {
     pub free: &'a [Twist],
     /// Rows of the joints.
     pub joints: &'a mut Joints,
+    /// Their factorisation for the steps to come.
+    pub joint_factor: &'a mut JointFactor,
     /// First row of each joint, and of the springs (n_joints + 1).
     pub joint_start: &'a [u32],
     /// Joint limits that may be met.
@@ -84,6 +87,7 @@ impl Columns<'_> {
             masses: self.masses,
             free: self.free,
             joints: self.joints,
+            joint_factor: self.joint_factor,
             joint_start: self.joint_start,
             limits: self.limits,
             response: self.response,
@@ -148,7 +152,7 @@ pub fn run(
 fn solve_once(
     (model, plan, state): (&Model, &StepPlan, &State),
     contacts: &mut Contacts,
-    Columns { masses, free, joints, joint_start, limits, response, displacement }: Columns,
+    Columns { masses, free, joints, joint_factor, joint_start, limits, response, displacement }: Columns,
     work: &mut Workspace,
 ) -> (Outcome, Option<[u32; 2]>) {
     let n = contacts.len();
@@ -160,10 +164,16 @@ fn solve_once(
         }
         None => (plan.method_with(n, limits.rows.len()), &model.solver),
     };
-    joints.prepare(masses);
+    let are_alone = n == 0 && limits.rows.is_empty();
+    if are_alone {
+        joints.prepare_from(masses, std::mem::take(joint_factor));
+    } else {
+        joints.prepare(masses);
+        joint_factor.end();
+    }
     let at = (model, state);
     // Without contacts and limits the joints answer once.
-    if n > 0 || !limits.rows.is_empty() {
+    if !are_alone {
         let linear = Linear { start: joint_start, joints, masses };
         work.arcs.foresee(at, linear, free, (response, limits));
     }
@@ -211,6 +221,9 @@ fn solve_once(
         op.eta = &eta_of_worst;
     }
     work.arcs.hold(at, Linear { start: joint_start, joints: op.joints, masses }, response);
+    if are_alone {
+        *joint_factor = op.joints.lasting(work.arcs.turn);
+    }
     let worst = is_high.then(|| op.bodies(worst_block(&op, &gamma, response)));
     displacement.twist.clear();
     let period = recovery_period(plan, method);

@@ -37,10 +37,19 @@ pub fn has_light_links(model: &Model, state: &State, frames: &[Option<Frames>]) 
     most > LIGHT * least
 }
 
+/// The forces on A, N, of a spring with the frames `f`, in the last step and in that before it; those of one between angles pull at no arm.
+pub fn spring_forces(spring: &Spring, f: &Frames, known: &SpringState) -> [DVec3; 2] {
+    let along = f.offset().normalize_or_zero();
+    let size = if spring.kind == SpringKind::Angle { [0.0; 2] } else { [known.force, known.force_before] };
+    size.map(|size| along * size)
+}
+
 /// The geometric stiffness of the joints and springs of a step, and what of it acts at the end of the step.
 #[derive(Default)]
 pub struct Stiffness {
-    /// The forces that turn bodies.
+    /// Whether forces and arms are so great that the step may not resolve how stiff the rotation of a body is (n_bodies).
+    is_near: Vec<bool>,
+    /// The forces that turn such bodies.
     of_body: BTreeMap<u32, Pulled>,
     /// Transverse rows of links, with the stiffness, N/m, in place of the softness, and the joint or spring and the direction of each.
     transverse: Vec<(Row, [usize; 2])>,
@@ -69,6 +78,20 @@ pub struct Target<'a> {
 }
 
 impl Stiffness {
+    /// For a step of forces, N, of joints and springs with these frames on A, and against it on B.
+    pub fn new<'a>(model: &Model, pulls: impl Iterator<Item = ([u32; 2], &'a Frames, DVec3)>) -> Stiffness {
+        /// The norm of what [`Turning::add`] adds by a unit force along an arm of 1 m, a little more than √2.
+        const ACROSS: f64 = 1.4143;
+        let mut norm = vec![0.0; model.n_bodies()];
+        for (bodies, f, force) in pulls {
+            bodies.into_iter().zip(f.arms()).for_each(|(b, arm)| norm[b as usize] += ACROSS * force.dot(arm).abs());
+        }
+        let scale = model.step * model.step / BOUND;
+        let is_near =
+            norm.iter().zip(&model.inv_inertia).map(|(norm, inverse)| scale * norm * inverse.max_element() >= 1.0);
+        Stiffness { is_near: is_near.collect(), ..Stiffness::default() }
+    }
+
     /// Add the stiffness of joint `i` with the frames `f`, which carries a force now and carried another before.
     /// `moves` tells which bodies move.
     pub fn add(
@@ -92,22 +115,23 @@ impl Stiffness {
 
     /// Add the stiffness of a spring between two points with the frames `f`; `i` is its id, beyond those of the joints.
     pub fn add_spring(&mut self, (i, spring): (usize, &Spring), f: &Frames, known: &SpringState) {
-        if known.force == 0.0 || spring.kind == SpringKind::Angle {
+        let forces = spring_forces(spring, f, known);
+        if forces[0] == DVec3::ZERO {
             return;
         }
-        let along = f.offset().normalize_or_zero();
-        let pull = along * known.force;
-        self.turn(spring.bodies, f, [pull, along * known.force_before]);
+        self.turn(spring.bodies, f, forces);
         if spring.kind == SpringKind::Line {
-            spring.rows(f, known).for_each(|along| self.swing(i, &along, f, pull));
+            spring.rows(f, known).for_each(|along| self.swing(i, &along, f, forces[0]));
         }
     }
 
     /// Stiffness of the rotation of two bodies at whose arms forces act: those of the last step and of the step before it.
     fn turn(&mut self, bodies: [u32; 2], f: &Frames, forces_on_a: [DVec3; 2]) {
         for ((body, sign), arm) in bodies.into_iter().zip([1.0, -1.0]).zip(f.arms()) {
-            let pull = (arm, forces_on_a.map(|force| force * sign));
-            self.of_body.entry(body).or_default().pulls.push(pull);
+            if self.is_near[body as usize] {
+                let pull = (arm, forces_on_a.map(|force| force * sign));
+                self.of_body.entry(body).or_default().pulls.push(pull);
+            }
         }
     }
 
@@ -117,6 +141,9 @@ impl Stiffness {
         let [a, b] = joint.bodies;
         if matches!(joint.kind, Spherical | Revolute | Universal | Fixed) && moves(a) != moves(b) {
             let k = if moves(a) { 0 } else { 1 };
+            if !self.is_near[joint.bodies[k] as usize] {
+                return;
+            }
             self.of_body.entry(joint.bodies[k]).or_default().pivot = Some(f.arms()[k]);
         }
     }

@@ -10,7 +10,7 @@
 //! inout  free         [n_bodies]      explicit springs act on it, and geometric stiffness
 //! Source: paper §2, bilateral constraints; springs are implicit where they are too stiff for the step.
 
-use super::geometric_stiffness::{Stiffness, Target, has_light_links};
+use super::geometric_stiffness::{Stiffness, Target, has_light_links, spring_forces};
 use super::masses::Masses;
 use super::solve::joints::Joints;
 use super::solve::motors::Motor;
@@ -66,6 +66,7 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
     joints.rows.clear();
     joints.bias.clear();
     joints.motors.start(h);
+    joints.is_factorised = false;
     *limits = Limits::default();
     let frames: Vec<Option<Frames>> =
         model.joints.iter().map(|joint| joint_acts(state, joint).then(|| state.joint_frames(joint))).collect();
@@ -136,7 +137,7 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
     if is_stiff || state.steps == 0 {
         follow((model, state, &frames), &mut stiffness, start, Target { masses, free, joints });
     }
-    joints.is_light = stiffness.is_light;
+    (joints.is_light, joints.is_stiff) = (stiffness.is_light, is_stiff);
 }
 
 /// Let the stiffness follow the forces of the step itself, as they are without contacts.
@@ -162,6 +163,7 @@ fn follow(
             [force, force]
         });
         if !stiffness.follow(&found, model, state, h, Target { masses, free, joints }) {
+            joints.is_factorised = joints.motors.is_empty();
             break;
         }
     }
@@ -174,15 +176,23 @@ fn stiffness(
     frames: &[Option<Frames>],
     forces: impl Fn(usize, &Frames) -> [DVec3; 2],
 ) -> Stiffness {
-    let mut stiffness = Stiffness::default();
+    let springs = model.springs.iter().enumerate().filter(|(_, spring)| spring_acts(state, spring));
+    let springs: Vec<(usize, &Spring, Frames)> = springs.map(|(i, s)| (i, s, state.spring_frames(s))).collect();
+    let of_joint = |(i, f): (usize, &Option<Frames>)| f.as_ref().map(|f| forces(i, f));
+    let forces: Vec<_> = frames.iter().enumerate().map(of_joint).collect();
+    let joints = || model.joints.iter().zip(frames).zip(&forces).enumerate();
+    let of_joints =
+        joints().filter_map(|(_, ((joint, f), forces))| Some((joint.bodies, f.as_ref()?, forces.as_ref()?[0])));
+    let of_springs = springs.iter().map(|(i, s, f)| (s.bodies, f, spring_forces(s, f, &state.springs[*i])[0]));
+    let mut stiffness = Stiffness::new(model, of_joints.chain(of_springs));
     stiffness.is_light = has_light_links(model, state, frames);
-    for (i, (joint, f)) in model.joints.iter().zip(frames).enumerate() {
-        if let Some(f) = f {
-            stiffness.add((i, joint), f, forces(i, f), |b| state.moves(b as usize));
+    for (i, ((joint, f), forces)) in joints() {
+        if let (Some(f), Some(forces)) = (f, forces) {
+            stiffness.add((i, joint), f, *forces, |b| state.moves(b as usize));
         }
     }
-    for (i, spring) in model.springs.iter().enumerate().filter(|(_, spring)| spring_acts(state, spring)) {
-        stiffness.add_spring((model.joints.len() + i, spring), &state.spring_frames(spring), &state.springs[i]);
+    for (i, spring, f) in &springs {
+        stiffness.add_spring((model.joints.len() + i, spring), f, &state.springs[*i]);
     }
     stiffness
 }

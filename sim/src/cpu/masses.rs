@@ -11,7 +11,7 @@ use crate::twist::Twist;
 use glam::{DMat3, DQuat, DVec3};
 
 /// Masses and inertia tensors in the world frame; those of bodies that do not move are infinite.
-#[derive(Default)]
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Masses {
     /// Reciprocal masses, 1/kg (n_bodies).
     pub inv_mass: Vec<f64>,
@@ -23,7 +23,7 @@ pub struct Masses {
 }
 
 /// The inertia tensors of bodies with anisotropic inertia.
-#[derive(Default)]
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 enum InertiaTensors {
     /// No bodies with anisotropic inertia.
     #[default]
@@ -59,6 +59,19 @@ impl Masses {
             0 => InertiaTensors::None,
             n => InertiaTensors::Some { slot, body, tensor: vec![[DMat3::ZERO; 2]; n] },
         };
+    }
+
+    /// Whether they may be those of `n_bodies` bodies, as a file gives them.
+    pub fn are_of(&self, n_bodies: usize) -> bool {
+        let is_sound =
+            |numbers: &[f64]| numbers.len() == n_bodies && numbers.iter().all(|x| *x >= 0.0 && x.is_finite());
+        let InertiaTensors::Some { slot, body, tensor } = &self.tensors else {
+            return is_sound(&self.inv_mass) && is_sound(&self.inv_moment);
+        };
+        let has_tensor = |slot: &u32| *slot == ISOTROPIC || (*slot as usize) < tensor.len();
+        let are_there = slot.len() == n_bodies && slot.iter().all(has_tensor) && body.len() == tensor.len();
+        let are_finite = tensor.iter().flatten().all(|tensor| tensor.is_finite());
+        is_sound(&self.inv_mass) && is_sound(&self.inv_moment) && are_there && are_finite
     }
 
     /// Rotate the inertia tensors to the bodies' orientations.

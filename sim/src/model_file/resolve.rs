@@ -26,6 +26,7 @@ use glam::{DMat3, DQuat, DVec3};
 use start::Keys;
 use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// The most steps of a run: a million bodies, or one, take longer than anybody waits for.
 const MAX_STEPS: f64 = 1e12;
@@ -209,6 +210,8 @@ struct Builder<'a> {
     warnings: Vec<String>,
     /// Indices of the hulls, by the bits of their vertices.
     hulls: HashMap<Vec<[u64; 3]>, u32>,
+    /// Hulls that were made, by what they were made of.
+    made: shape::Hulls,
     class_names: Names,
     group_names: Names,
     joint_names: Names,
@@ -295,6 +298,7 @@ impl<'a> Builder<'a> {
             probe_springs: vec![],
             warnings: vec![],
             hulls: HashMap::new(),
+            made: HashMap::new(),
             class_names: Names::default(),
             group_names: Names::default(),
             joint_names: Names::default(),

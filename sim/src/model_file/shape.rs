@@ -8,7 +8,10 @@ use frame::yaml::Document;
 use frame::{Fault, mesh};
 use glam::{DQuat, DVec3};
 use std::borrow::Cow;
-use std::path::Path;
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A resolved shape.
 pub struct Shape {
@@ -17,7 +20,7 @@ pub struct Shape {
     /// Size, m, as [`ShapeKind`] has it.
     pub size: DVec3,
     /// Hull, where the kind is one.
-    pub hull: Option<Hull>,
+    pub hull: Option<Arc<Hull>>,
     /// Triangles, where the kind is a mesh or a height field.
     pub surface: Option<Surface>,
     /// Position of the shape's origin in the file's frame, m.
@@ -110,16 +113,19 @@ pub fn count(file: &ShapeFile) -> usize {
     .count()
 }
 
-/// Check and resolve a shape. `key` is its key in the file, `what` the name of its owner for messages.
-pub fn resolve(doc: &Document, key: &str, what: &str, file: &ShapeFile) -> Result<Shape, Fault> {
-    let shape = resolve_any(doc, key, what, file)?;
+/// Hulls with their centroids, by the file and the bits of the points or of the scale that they were made of: bodies by the thousand have the same.
+pub type Hulls = HashMap<(Option<PathBuf>, Vec<[u64; 3]>), (Arc<Hull>, DVec3)>;
+
+/// Check and resolve a shape. `key` is its key in the file, `what` the name of its owner for messages; hulls that there are already are not made again.
+pub fn resolve(doc: &Document, key: &str, what: &str, file: &ShapeFile, hulls: &mut Hulls) -> Result<Shape, Fault> {
+    let shape = resolve_any(doc, key, what, file, hulls)?;
     match shape.size.max_element().max(shape.shift.abs().max_element()) <= FARTHEST {
         true => Ok(shape),
         false => Err(doc.fault(key, format!("{what} has a shape that reaches farther than {FARTHEST:e} m"))),
     }
 }
 
-fn resolve_any(doc: &Document, key: &str, what: &str, file: &ShapeFile) -> Result<Shape, Fault> {
+fn resolve_any(doc: &Document, key: &str, what: &str, file: &ShapeFile, hulls: &mut Hulls) -> Result<Shape, Fault> {
     if count(file) != 1 {
         return Err(doc.fault(key, format!("{what} needs exactly one shape: {NAMES}")));
     }
@@ -144,7 +150,7 @@ fn resolve_any(doc: &Document, key: &str, what: &str, file: &ShapeFile) -> Resul
     } else if let Some(c) = &file.cone {
         round("cone", ShapeKind::Cone, c)
     } else if let Some(hull) = &file.hull {
-        hull_shape(doc, &format!("{key}.hull"), hull)
+        hull_shape(doc, &format!("{key}.hull"), hull, hulls)
     } else if let Some(plane) = &file.plane {
         let normal = direction(doc, &format!("{key}.plane.normal"), plane.normal)?;
         Ok(Shape {
@@ -171,21 +177,33 @@ pub fn surface_shape(kind: ShapeKind, surface: Surface) -> Shape {
     Shape { surface: Some(surface), ..Shape::simple(kind, lo.abs().max(hi.abs())) }
 }
 
-fn hull_shape(doc: &Document, key: &str, file: &HullFile) -> Result<Shape, Fault> {
+fn hull_shape(doc: &Document, key: &str, file: &HullFile, hulls: &mut Hulls) -> Result<Shape, Fault> {
     positive(doc, &format!("{key}.scale"), file.scale)?;
-    let points: Vec<DVec3> = match (&file.points, &file.file) {
+    let given: Vec<DVec3> = match (&file.points, &file.file) {
         (Some(points), None) => points.iter().map(|p| DVec3::from_array(*p) * file.scale).collect(),
-        (None, Some(path)) => read_vertices(doc, &format!("{key}.file"), path, file.scale)?,
+        (None, Some(_)) => vec![DVec3::splat(file.scale)],
         _ => return Err(doc.fault(key, "needs exactly one of `points` and `file`")),
     };
-    if points.iter().any(|p| !p.is_finite()) {
-        return Err(doc.fault(key, "has a point that is not finite"));
-    }
-    if points.len() < 4 {
-        return Err(doc.fault(key, format!("has {} points, expected at least 4", points.len())));
-    }
-    let (hull, centre) = Hull::of_points(&points)
-        .ok_or_else(|| doc.fault(key, "has points that lie in a plane: expected points that enclose a volume"))?;
+    let bits = given.iter().map(|p| p.to_array().map(f64::to_bits)).collect();
+    let (hull, centre) = match hulls.entry((file.file.clone(), bits)) {
+        Entry::Occupied(known) => known.get().clone(),
+        Entry::Vacant(new) => {
+            let points = match &file.file {
+                Some(path) => read_vertices(doc, &format!("{key}.file"), path, file.scale)?,
+                None => given,
+            };
+            if points.iter().any(|p| !p.is_finite()) {
+                return Err(doc.fault(key, "has a point that is not finite"));
+            }
+            if points.len() < 4 {
+                return Err(doc.fault(key, format!("has {} points, expected at least 4", points.len())));
+            }
+            let (hull, centre) = Hull::of_points(&points).ok_or_else(|| {
+                doc.fault(key, "has points that lie in a plane: expected points that enclose a volume")
+            })?;
+            new.insert((Arc::new(hull), centre)).clone()
+        }
+    };
     let size = hull.half_extent();
     Ok(Shape { hull: Some(hull), shift: centre, ..Shape::simple(ShapeKind::Hull, size) })
 }

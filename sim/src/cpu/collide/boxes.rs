@@ -33,17 +33,22 @@ impl Separations {
         let abs = DMat3::from_cols(r.x_axis.abs(), r.y_axis.abs(), r.z_axis.abs());
         let of_a = middle.abs() - a.size - abs * b.size;
         let of_b = (r.transpose() * middle).abs() - b.size - abs.transpose() * a.size;
-        let mut face = (f64::NEG_INFINITY, 0);
+        let mut best = [(f64::NEG_INFINITY, 0); 2];
         for (i, s) in [of_a.x, of_a.y, of_a.z, of_b.x, of_b.y, of_b.z].into_iter().enumerate() {
             if s > reach {
                 return Err((towards(face_axis([ra, rb], i), a, b), s));
             }
-            // A face of the first box is kept unless the second's is clearly better, so that the choice is stable.
-            if s > face.0 + if i == 3 { 1e-9 } else { 0.0 } {
-                face = (s, i);
+            let best = &mut best[i / 3];
+            if s > best.0 {
+                *best = (s, i);
             }
         }
-        let than = face.0 + CLEARLY * a.size.min_element().min(b.size.min_element());
+        // A face of the first box is kept unless the second's is clearly better: where two faces lie on each other either may be, and points that change
+        // from one to the other in each step would never rest.
+        let [first, second] = best;
+        let clearly = CLEARLY * a.size.min_element().min(b.size.min_element());
+        let face = if second.0 > first.0 + clearly { second } else { first };
+        let than = first.0.max(second.0) + clearly;
         // Along the cross products of edges, times the sines of the angles between these.
         let (m, size_a, size_b) = (middle.to_array(), a.size.to_array(), b.size.to_array());
         let (r, abs) = (r.to_cols_array_2d(), abs.to_cols_array_2d());

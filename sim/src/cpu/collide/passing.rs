@@ -10,7 +10,8 @@ use crate::ShapeKind;
 use crate::manifolds::Corner;
 use glam::{DMat3, DVec3};
 
-/// Overlap, over the least half length, up to which shapes pass each other: those that rest or slide overlap by less.
+/// Overlap, over the least half length, up to which shapes pass each other, where they move by more in the step: those that rest or slide overlap by
+/// less.
 const GRAZING: f64 = 2e-3;
 
 /// What shapes come too near by on their way, over that overlap, from which on another axis is looked for.
@@ -98,9 +99,11 @@ pub fn pass(
         }
     }
     let Some((_, way, normal)) = worst.into_iter().find(|(_, way, _)| *way != DVec3::ZERO) else { return n };
+    // What rests on an edge would else be taken for what grazes a face, and be pushed off it.
+    let scale = 1.0 - grazing.min(way.length()) / size;
     let found = match (a.kind, b.kind) {
-        (Box, Box) => box_axis([a, b], way),
-        _ => any_axis([a, b], way),
+        (Box, Box) => box_axis([a, b], way, scale),
+        _ => any_axis([a, b], way, scale),
     };
     let Some(apart) = found.filter(|axis| axis.dot(normal) <= SAME) else { return n };
     let gap = separation(a, b, apart);
@@ -108,18 +111,21 @@ pub fn pass(
     if gap > reach {
         return 0;
     }
+    // They overlap by no more than along the axis that they had.
+    let least = out[..n].iter().fold(0.0, |least: f64, p| least.min(p.gap));
+    let lift = (least - gap).max(0.0);
     if has_face(a, a.local(apart)) {
-        return over([a, b], apart, reach, out);
+        return over([a, b], apart, (reach, lift), out);
     }
-    let n = over([b, a], -apart, reach, out);
+    let n = over([b, a], -apart, (reach, lift), out);
     swap_shapes(out, n);
     out[..n].iter_mut().for_each(|p| p.feature |= OF_SECOND);
     n
 }
 
-/// The axis, unit, across a face of one of two shapes, that keeps them apart on their way, if there is one.
-fn any_axis([a, b]: [&Placed; 2], way: DVec3) -> Option<DVec3> {
-    let swept = Swept { shape: b, way, scale: 1.0 - GRAZING };
+/// The axis, unit, across a face of one of two shapes, that keeps them apart on their way, if there is one; the second is scaled.
+fn any_axis([a, b]: [&Placed; 2], way: DVec3, scale: f64) -> Option<DVec3> {
+    let swept = Swept { shape: b, way, scale };
     let near = match search(a, &swept, f64::INFINITY, &mut Axis::default()) {
         Ok(near) => near,
         Err(Overlap { near, .. }) => near,
@@ -131,9 +137,9 @@ fn any_axis([a, b]: [&Placed; 2], way: DVec3) -> Option<DVec3> {
 }
 
 /// [`any_axis`] of two boxes, across one of their faces.
-fn box_axis([a, b]: [&Placed; 2], way: DVec3) -> Option<DVec3> {
+fn box_axis([a, b]: [&Placed; 2], way: DVec3, scale: f64) -> Option<DVec3> {
     let turned = a.rotation.transpose() * b.rotation;
-    let size = b.size * (1.0 - GRAZING);
+    let size = b.size * scale;
     let abs = |m: DMat3| DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
     let reach_a = a.size + abs(turned) * size;
     let reach_b = size + abs(turned.transpose()) * a.size;
@@ -153,10 +159,10 @@ fn box_axis([a, b]: [&Placed; 2], way: DVec3) -> Option<DVec3> {
     (best.0 > 0.0).then_some(best.1)
 }
 
-/// The points of a shape over the plane across a direction that touches another one, which goes on as far as the way does: the corners that face
-/// it. Returns their count.
-fn over([of, other]: [&Placed; 2], normal: DVec3, reach: f64, out: &mut Points) -> usize {
-    let height = of.support(normal).0.dot(normal) + of.radius();
+/// The points of a shape over the plane across a direction that touches another one, or is `lift`, m, below that, which goes on as far as the way does:
+/// the corners that face it. Returns their count.
+fn over([of, other]: [&Placed; 2], normal: DVec3, (reach, lift): (f64, f64), out: &mut Points) -> usize {
+    let height = of.support(normal).0.dot(normal) + of.radius() - lift;
     let mut n = 0;
     for (corner, id) in feature(other, -normal).corners() {
         let gap = corner.dot(normal) - height;

@@ -10,6 +10,8 @@
 //!
 //! C has the compliance of springs, and for rigid rows a small fraction of the diagonal, which regularises redundant rows.
 
+mod lasting;
+
 use super::motors::{Motor, Motors, Wrong};
 use super::response::Response;
 use super::sparse::{self, Factor, Front, Structure};
@@ -17,8 +19,11 @@ use crate::cpu::masses::Masses;
 use crate::joint::Row;
 use crate::twist::Twist;
 use glam::DMat3;
+use lasting::Factorised;
+use std::sync::Arc;
 
 pub use super::sparse::Phases;
+pub use lasting::JointFactor;
 
 /// Compliance of a rigid row, relative to its diagonal. It distributes the load over redundant rows (two pins of a hinge, a closed ring
 /// of hinges); a chain that carries a thousand times its links' weight gives way by some 10⁻⁸ m.
@@ -33,8 +38,12 @@ pub struct Joints {
     pub bias: Vec<f64>,
     /// Whether their bodies are light links under heavy loads.
     pub is_light: bool,
+    /// Whether geometric stiffness acts on their bodies.
+    pub is_stiff: bool,
     /// Motors with a maximum effort.
     pub motors: Motors,
+    /// Whether the factor is that of the rows as they are now: the next to factorise them need not.
+    pub is_factorised: bool,
     /// Whether a body has rows (n_bodies).
     is_held: Vec<bool>,
     pattern: Pattern,
@@ -42,6 +51,14 @@ pub struct Joints {
     softness: Vec<f64>,
     /// Whether the structure of the factor has changed since it was last asked ([`Joints::take_is_new`]).
     is_new: bool,
+    /// What the factor is of, where it lasts.
+    of: Option<Arc<Factorised>>,
+    /// Whether that is an earlier step.
+    is_old: bool,
+    lasting: JointFactor,
+    /// Solves of the step, and the greatest |rate| that was left to the first of them, m/s or rad/s.
+    n_solves: usize,
+    first_left: f64,
 }
 
 /// Pivot over the diagonal below which a row follows from those before it: thirty times the trace of compliance that lets it be there at
@@ -102,16 +119,11 @@ pub fn on_body(row: &Row, body: u32) -> Twist {
 impl Joints {
     /// Factorise S for the rows of a step.
     pub fn prepare(&mut self, masses: &Masses) {
-        let n = self.rows.len();
-        if n == 0 {
+        (self.of, self.is_old) = (None, false);
+        if self.rows.is_empty() {
             return;
         }
-        let known = &self.pattern.bodies;
-        let is_new = known.len() != n || self.rows.iter().zip(known).any(|(r, p)| r.bodies != *p);
-        if is_new {
-            self.analyse(masses);
-            self.is_new = true;
-        }
+        self.analyse_what_is_new(masses);
         if self.motors.soften_lagging(&mut self.rows, masses) {
             self.factorise(masses);
             let mut motors = std::mem::take(&mut self.motors);
@@ -123,17 +135,36 @@ impl Joints {
         self.motors.set_bias(&self.rows, &mut self.bias);
     }
 
-    fn factorise(&mut self, masses: &Masses) {
-        let Joints { rows, pattern, factor, softness, .. } = self;
+    /// Analyse the sparsity pattern of the rows, where it is not known.
+    fn analyse_what_is_new(&mut self, masses: &Masses) {
+        let known = &self.pattern.bodies;
+        if known.len() != self.rows.len() || self.rows.iter().zip(known).any(|(r, p)| r.bodies != *p) {
+            self.analyse(masses);
+            (self.is_new, self.is_factorised) = (true, false);
+        }
+    }
+
+    /// Find the compliance of the rows. Returns the greatest diagonal of S without it, 1/kg or 1/(kg m²).
+    fn find_softness(&mut self, masses: &Masses) -> f64 {
+        let Joints { rows, softness, .. } = self;
         softness.clear();
         let mut largest = f64::MIN_POSITIVE;
-        let on_diagonal = factor.diagonal();
-        for (row, place) in rows.iter().zip(&pattern.place) {
+        for row in &*rows {
             let diagonal = masses.response(row).max(f64::MIN_POSITIVE);
             largest = diagonal.max(largest);
             softness.push((REGULARIZATION * diagonal).max(row.softness));
-            on_diagonal[*place as usize] = softness[softness.len() - 1];
         }
+        largest
+    }
+
+    fn factorise(&mut self, masses: &Masses) {
+        if std::mem::take(&mut self.is_factorised) {
+            return;
+        }
+        let largest = self.find_softness(masses);
+        let Joints { rows, pattern, factor, softness, .. } = self;
+        let on_diagonal = factor.diagonal();
+        softness.iter().zip(&pattern.place).for_each(|(softness, place)| on_diagonal[*place as usize] = *softness);
         factor.factorise(1e-14 * largest, |front, element, first| pattern.fill(front, element, first, rows, masses));
     }
 
@@ -160,7 +191,7 @@ impl Joints {
 
     fn analyse(&mut self, masses: &Masses) {
         let factor = self.pattern.analyse(&self.rows, |body| masses.inv_mass[body as usize] > 0.0);
-        self.factor = factor;
+        (self.factor, self.of) = (factor, None);
         self.is_held.clear();
         self.is_held.resize(masses.inv_mass.len(), false);
         self.pattern.held.iter().for_each(|body| self.is_held[*body as usize] = true);
@@ -253,6 +284,12 @@ impl Joints {
             let speed = row.speed_in(&response.twist);
             rhs[self.pattern.place[k] as usize] =
                 -(speed + bias * self.bias[k] + self.softness[k] * response.lambda[k]);
+        }
+        if self.is_old {
+            self.n_solves += 1;
+            if self.n_solves == 1 {
+                self.first_left = rhs.iter().fold(0.0, |most: f64, left| most.max(left.abs()));
+            }
         }
         self.factor.solve();
         let more = self.factor.rows();

@@ -63,7 +63,7 @@ impl Builder<'_> {
             let group =
                 self.group(Some(&other_model.group_names[other_model.shape_group[s] as usize]).map(|s| s.as_str()));
             let shape = Shape {
-                hull: (kind == ShapeKind::Hull).then(|| other_model.hulls[part].clone()),
+                hull: (kind == ShapeKind::Hull).then(|| Arc::new(other_model.hulls[part].clone())),
                 surface: matches!(kind, ShapeKind::Mesh | ShapeKind::HeightField)
                     .then(|| other_model.surfaces[part].clone()),
                 ..Shape::simple(kind, other_model.shape_size[s])

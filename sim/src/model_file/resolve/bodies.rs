@@ -54,7 +54,7 @@ impl Builder<'_> {
                 .or(body.material.as_ref())
                 .ok_or_else(|| doc.fault(&key, format!("{what} has no material: expected `material: NAME`")))?;
             let (material, density) = self.material(&format!("{key}.material"), name)?;
-            let shape = shape::resolve(doc, &key, &what, &file)?;
+            let shape = shape::resolve(doc, &key, &what, &file, &mut self.made)?;
             shapes.push(NewShape { shape, pose, material, density, group });
         }
         let surface = shapes.iter().any(|s| s.shape.kind.is_surface());
@@ -137,7 +137,7 @@ impl Builder<'_> {
             .iter()
             .map(|s| {
                 let pose = s.pose.place(&Pose { position: s.shape.shift, orientation: s.shape.rotation });
-                let solid = solid_of(s.shape.kind, s.shape.size, s.shape.hull.as_ref());
+                let solid = solid_of(s.shape.kind, s.shape.size, s.shape.hull.as_deref());
                 let mass = solid.volume * s.density;
                 volume_mass += mass;
                 first += (pose.position + pose.orientation * solid.centre) * mass;
@@ -200,7 +200,7 @@ impl Builder<'_> {
         if let Some(hull) = s.shape.hull {
             let bits = hull.vertices.iter().map(|v| v.to_array().map(f64::to_bits)).collect();
             part = *self.hulls.entry(bits).or_insert_with(|| {
-                model.hulls.push(hull);
+                model.hulls.push(Arc::unwrap_or_clone(hull));
                 model.hulls.len() as u32 - 1
             });
         }

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
+use std::sync::LazyLock;
 
 /// The geometry of a shape: exactly one of the fields is given.
 #[derive(Clone, Debug, Default)]
@@ -273,15 +274,12 @@ pub struct RotateFile {
     pub angle: f64,
 }
 
-/// A text as a quoted YAML scalar.
-fn quoted(text: &str) -> String {
-    serde_yaml::to_string(text).expect("text is plain data").trim_end().to_string()
-}
-
 impl BodyFile {
     /// A body with a name, and the defaults of all other keys.
     pub fn named(name: &str) -> BodyFile {
-        serde_yaml::from_str(&format!("name: {}", quoted(name))).expect("all other keys of a body have defaults")
+        static PLAIN: LazyLock<BodyFile> =
+            LazyLock::new(|| serde_yaml::from_str("name: body").expect("all other keys of a body have defaults"));
+        BodyFile { name: name.into(), ..PLAIN.clone() }
     }
 }
 
