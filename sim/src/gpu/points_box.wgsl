@@ -13,8 +13,8 @@ const ALL_BOXES: bool = true;
 // The least squared sine of the angle between edges of which a cross product is taken: that of edges more parallel is not known in single
 // precision, and lies between those of faces.
 const PARALLEL: f32 = 1e-4;
-// What the first box's face is kept by, over the sum of the boxes' greatest half lengths, more than the rounding of separations.
-const STABLE: f32 = 2e-6;
+// What a separation is more than another one, over the least half length, to be clearly greater.
+const CLEARLY: f32 = 1e-3;
 // The reach, over the least half length, beyond which boxes that meet at edges may meet at their faces within the step.
 const FAST: f32 = 0.1;
 // The overlap of faces, over the least half length, beyond which boxes that meet at edges are pushed apart by these alone.
@@ -30,10 +30,6 @@ fn least_of(v: vec3<f32>) -> f32 {
     return min(v.x, min(v.y, v.z));
 }
 
-fn greatest_of(v: vec3<f32>) -> f32 {
-    return max(v.x, max(v.y, v.z));
-}
-
 // The contact points of two boxes with a gap of at most `reach`. Returns their count.
 fn solid_points(first: Placed, second: Placed, reach: f32) -> u32 {
     // What compilers leave out is of other kinds.
@@ -47,15 +43,19 @@ fn solid_points(first: Placed, second: Placed, reach: f32) -> u32 {
     let sizes = mat3x3(abs(r[0]), abs(r[1]), abs(r[2]));
     let of_a = abs(middle) - a.half - sizes * b.half;
     let of_b = abs(middle * r) - b.half - a.half * sizes;
-    let stable = STABLE * (greatest_of(a.half) + greatest_of(b.half));
+    let size = min(least_of(a.half), least_of(b.half));
+    let clearly = CLEARLY * size;
     var face = -3e38;
     var face_at = 0u;
+    var greatest = -3e38;
     for (var i = 0u; i < 6u; i++) {
         let s = select(of_b[i % 3u], of_a[i % 3u], i < 3u);
         if s > reach {
             return 0u;
         }
-        if s > face + select(0.0, stable, i >= 3u && face_at < 3u) {
+        greatest = max(greatest, s);
+        // A face of the first box is kept unless the second's is clearly better.
+        if s > face + select(0.0, clearly, i >= 3u && face_at < 3u) {
             face = s;
             face_at = i;
         }
@@ -86,8 +86,7 @@ fn solid_points(first: Placed, second: Placed, reach: f32) -> u32 {
             }
         }
     }
-    let size = min(least_of(a.half), least_of(b.half));
-    let is_crossing = edge > face + 1e-3 * size;
+    let is_crossing = edge > greatest + clearly;
     var n = 0u;
     if !is_crossing || reach > FAST * size {
         n = face_points(a, b, face_at, reach);

@@ -291,6 +291,24 @@ mod tests {
     use crate::ShapeKind;
     use crate::fill::SplitMix64;
     use crate::pose::Pose;
+    use glam::DQuat;
+
+    #[test]
+    fn faces_that_lie_on_each_other_have_one_reference() {
+        let size = DVec3::new(0.1, 0.08, 0.05);
+        let mut random = SplitMix64(5);
+        for k in 0..1000 {
+            let mut small = || DVec3::from([0; 3].map(|_| random.between(-1e-5, 1e-5)));
+            let mut placed = |position: DVec3| {
+                let orientation = DQuat::from_scaled_axis(small());
+                Placed::new(ShapeKind::Box, size, Pose { position: position + small(), orientation }, None)
+            };
+            let (a, b) = (placed(DVec3::ZERO), placed(DVec3::new(0.03, 0.02, 0.1)));
+            let (mut axis, mut out) = (Axis::default(), Points::default());
+            let n = box_box(&a, &b, 1e-3, &mut axis, &mut out);
+            assert!(n == 4 && out[..n].iter().all(|p| p.feature & OF_SECOND == 0), "{k}: {n} points");
+        }
+    }
 
     #[test]
     fn faces_of_boxes_are_clipped_as_any_faces_are() {

@@ -174,3 +174,44 @@ fn over([of, other]: [&Placed; 2], normal: DVec3, (reach, lift): (f64, f64), out
     }
     n
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::boxes::box_box;
+    use super::*;
+    use crate::fill::SplitMix64;
+    use crate::pose::Pose;
+
+    #[test]
+    fn edges_that_rest_on_each_other_do_not_pass_by_a_face() {
+        /// Gap of the edges, and what they come nearer by in the step, m.
+        const GAP: f64 = 5e-5;
+        const NEARER: f64 = 2e-5;
+        let mut random = SplitMix64(9);
+        let mut several = 0;
+        for k in 0..200_000 {
+            let size = DVec3::from([0; 3].map(|_| random.between(0.1, 0.2)));
+            let mut at = |position: DVec3| Pose { position, orientation: random.rotation() };
+            let (first, mut second) = (at(DVec3::ZERO), at(DVec3::new(0.3, 0.1, -0.2)));
+            let placed = |pose: Pose| Placed::new(ShapeKind::Box, size, pose, None);
+            let a = placed(first);
+            let (mut axis, mut out) = (Axis::default(), Points::default());
+            box_box(&a, &placed(second), 0.5, &mut axis, &mut out);
+            second.position -= axis.direction * (axis.apart - GAP);
+            let b = placed(second);
+            let n = box_box(&a, &b, 2.0 * GAP, &mut axis, &mut out);
+            let faces = (0..6).map(|i| if i < 3 { a.rotation.col(i) } else { b.rotation.col(i - 3) });
+            let apart = faces.map(|d| separation(&a, &b, d * d.dot(b.position - a.position).signum()));
+            let nearest = apart.fold(f64::NEG_INFINITY, f64::max);
+            if n != 1 || out[0].feature < 1 << 16 || !(-GRAZING * 0.1..-NEARER).contains(&nearest) {
+                continue;
+            }
+            several += 1;
+            let (edges, velocity) = (axis.direction, [DVec3::ZERO, -axis.direction * NEARER]);
+            let way = || Way { velocity, step: 1.0, ..Way::default() };
+            let n = pass([&a, &b], way, (2.0 * GAP, 2.0 * GAP), (&mut axis, n), &mut out);
+            assert!(n == 1 && axis.direction == edges, "{k}: {:?}", out[0]);
+        }
+        assert!(several > 20, "{several}");
+    }
+}
