@@ -205,7 +205,7 @@ const MODELS: [(&str, usize); 11] = [
     ("incline", 300),
     ("pendulums", 100),
     ("pour", 500),
-    ("quickstart", 300),
+    ("quickstart", 320),
     ("tracked_vehicle", 600),
     ("wall", 380),
 ];

@@ -3,7 +3,7 @@
 use crate::backend::Backend;
 use crate::contacts::Contacts;
 use crate::cpu::Cpu;
-use crate::cpu::solve::joints::JointFactor;
+use crate::joint_factor::JointFactor;
 use crate::manifolds::Manifolds;
 use crate::model::Model;
 use crate::outcome::StepOutcome;

@@ -2,8 +2,8 @@
 
 use crate::aabb::Aabb;
 use crate::contacts::Contacts;
-use crate::cpu::solve::joints::JointFactor;
 use crate::joint::{Frames, Joint, JointState, Spring, SpringState};
+use crate::joint_factor::JointFactor;
 use crate::manifolds::Manifolds;
 use crate::model::{Model, Scheduled};
 use crate::pace::Pace;

@@ -18,13 +18,14 @@
 //! in     limit_joint       [n_limits]
 //! inout  joint_bias        [n_rows]       m/s: on the arcs of the step
 //! inout  limit             [n_limits]     the same
-//! inout  joint_factor           a factorisation of the joints, which later steps go on with
 //! inout  impulse           [n_contacts]   N s, world: the starting point, then the solution
 //! inout  rolling_impulse   [n_contacts]   N m s, world
 //! out    motion            [n_bodies]     m/s and rad/s, world
 //! out    displacement      [n_bodies]     m/s and rad/s, world: the recovery of overlaps, over h; empty where nothing overlaps
 //! out    joint_impulse     [n_rows]       N s, N m s
 //! out    limit_impulse     [n_limits]     N s, N m s
+//!
+//! The factor of the joints lasts for later steps where there are neither contacts nor limits ([`crate::joint_factor`]).
 //!
 //! Per contact, with its normal n and b = (Φ/h) n: minimise ½ γᵀNγ + rᵀγ over γ in the cone |γ_t| ≤ μ γ_n, with
 //! N = Dᵀ M̃⁻¹ D and r = b + Dᵀ v_free. The metric: contact i's steps are scaled by η_i = 3/trace(D_iᵀ M⁻¹ D_i), one scalar per
@@ -37,7 +38,7 @@ use super::masses::Masses;
 use super::solve::bodies::{BodyOperator, Falling, Free, Offset, Recovery};
 use super::solve::exact;
 use super::solve::iterates::Iterates;
-use super::solve::joints::{JointFactor, Joints};
+use super::solve::joints::Joints;
 use super::solve::motors::{ROUNDS, most_rounds};
 use super::solve::operator::Operator;
 use super::solve::overlaps::{self, Displacement};
@@ -48,6 +49,7 @@ use super::solve::sweeps::{self, Sweeps};
 use super::solve::{self};
 use crate::contacts::Contacts;
 use crate::joint::Row;
+use crate::joint_factor::JointFactor;
 use crate::model::Model;
 use crate::outcome::Outcome;
 use crate::pace::Bend;
@@ -186,17 +188,7 @@ fn solve_once(
         ContactMethod::Blocks(_) => fill_eta(&mut work.eta, plan, masses, contacts, limits),
     }
     let mut eta_of_worst = vec![];
-    let mut gamma = std::mem::take(&mut work.gamma);
-    gamma.clear();
-    // Without other blocks γ is the column of contact impulses.
-    let has_other_blocks = plan.rolls || !limits.is_empty();
-    if has_other_blocks {
-        gamma.extend_from_slice(&contacts.impulse);
-        gamma.extend_from_slice(&contacts.rolling_impulse);
-        gamma.resize(gamma.len() + limits.len(), DVec3::ZERO);
-    } else {
-        std::mem::swap(&mut gamma, &mut contacts.impulse);
-    }
+    let mut gamma = begin(std::mem::take(&mut work.gamma), contacts, limits.len(), plan.rolls);
     let mut op = BodyOperator {
         plan,
         contacts,
@@ -233,6 +225,20 @@ fn solve_once(
     let n_limits = limits.len();
     work.gamma = keep(gamma, contacts, (limit_impulse, n_limits), plan.rolls);
     (outcome, worst)
+}
+
+/// The multipliers that a solve with `n_limits` limits begins with: those in the columns of the contacts. Takes the memory.
+fn begin(mut gamma: Vec<DVec3>, contacts: &mut Contacts, n_limits: usize, rolls: bool) -> Vec<DVec3> {
+    gamma.clear();
+    // Without other blocks γ is the column of contact impulses.
+    if rolls || n_limits > 0 {
+        gamma.extend_from_slice(&contacts.impulse);
+        gamma.extend_from_slice(&contacts.rolling_impulse);
+        gamma.resize(gamma.len() + n_limits, DVec3::ZERO);
+    } else {
+        std::mem::swap(&mut gamma, &mut contacts.impulse);
+    }
+    gamma
 }
 
 /// Put the multipliers of a solve into the columns of the contacts and of the `n_limits` limits. Returns the memory.

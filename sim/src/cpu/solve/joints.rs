@@ -17,13 +17,12 @@ use super::response::Response;
 use super::sparse::{self, Factor, Front, Structure};
 use crate::cpu::masses::Masses;
 use crate::joint::Row;
+use crate::joint_factor::{Factorised, JointFactor};
 use crate::twist::Twist;
 use glam::DMat3;
-use lasting::Factorised;
 use std::sync::Arc;
 
 pub use super::sparse::Phases;
-pub use lasting::JointFactor;
 
 /// Compliance of a rigid row, relative to its diagonal. It distributes the load over redundant rows (two pins of a hinge, a closed ring
 /// of hinges); a chain that carries a thousand times its links' weight gives way by some 10⁻⁸ m.
