@@ -305,3 +305,26 @@ joints:
     assert_eq!(kinds(&knee(0.02), 1_000), [WarningKind::Energy]);
     assert_eq!(kinds(&knee(20.0), 1_000), []);
 }
+
+#[test]
+fn joints_beyond_their_limits_are_reported() {
+    // A bob that turns by 0.3 rad in a step stretches its rope.
+    let rope = |speed: f64| {
+        format!(
+            "step: 1e-3
+materials: {{m: {{density: 7800, friction: 0}}}}
+bodies:
+  - {{name: bob, material: m, sphere: {{radius: 0.02}}, position: [0.3, 0, 0], velocity: [0, 0, {speed}]}}
+joints:
+  - {{name: rope, kind: distance, a: world, b: bob, position_b: [0.3, 0, 0], limits: [0, 0.3]}}
+"
+        )
+    };
+    assert_eq!(kinds(&rope(90.0), 200), [WarningKind::Joint]);
+    assert_eq!(kinds(&rope(3.0), 500), []);
+    let mut sim = simulation(&rope(90.0));
+    (0..100).for_each(|_| drop(sim.step()));
+    let [now, length] = [sim.state.joints[0].violation, sim.state.position[0].length()];
+    // That of the step's start.
+    assert!(now > 1e-2 && (now - (length - 0.3)).abs() < 0.05, "{now} m of {length} m");
+}

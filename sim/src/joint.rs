@@ -152,7 +152,7 @@ pub struct JointState {
     pub rate: f64,
     /// The force on A in the step before, N, world.
     pub force_before: DVec3,
-    /// Constraint violation: the maximum |Ψ| of the joint's rows, locked and driven, m or rad.
+    /// Constraint violation: the maximum |Ψ| of the joint's rows, locked and driven, and what is beyond its limits, m or rad.
     pub violation: f64,
     /// Sign of the effort of a motor that was at its maximum; 0 otherwise.
     pub motor_side: f64,
@@ -380,6 +380,12 @@ impl Joint {
         ((row.psi + change).abs(), is_motor)
     }
 
+    /// How far a coordinate is beyond the limits, rad or m.
+    pub fn beyond_limits(&self, at: f64) -> f64 {
+        let limits = self.limits.filter(|_| self.locked_at().is_none());
+        limits.map_or(0.0, |[lo, hi]| (lo - at).max(at - hi).max(0.0))
+    }
+
     /// What a motor of any effort prescribes ends at the limits, which it cannot pass: it would tear the joint. With a maximum effort it presses.
     fn within_limits(&self, goal: f64) -> f64 {
         self.limits.filter(|_| self.max_effort.is_none()).map_or(goal, |[lo, hi]| goal.clamp(lo, hi))
@@ -456,7 +462,7 @@ impl Joint {
             let mut rows = vec![];
             self.rows(f, &now, (t, 1.0), &mut rows);
             let errors = rows.iter().enumerate().map(|(k, row)| self.error(row, k, rows.len(), t, t).0);
-            now.violation = errors.fold(0.0, f64::max);
+            now.violation = errors.fold(self.beyond_limits(coordinate), f64::max);
         }
         now
     }

@@ -245,7 +245,12 @@ pub fn record(
             ..JointState::default()
         };
         if let Some(c) = joint.kind.coordinate() {
-            now.rate = joint.free_row(&f, c).speed_in(motion);
+            let row = joint.free_row(&f, c);
+            if joint_acts(state, joint) {
+                now.violation = joint.beyond_limits(now.coordinate);
+                outcome.joints.add(i, &row, now.violation);
+            }
+            now.rate = row.speed_in(motion);
             now.coordinate += h * now.rate;
         }
         for (k, row) in rows.iter().enumerate() {
