@@ -5,12 +5,17 @@ use glam::DVec3;
 use render::ri::writer::Writer;
 use render::ri::{Class, Fail, Param, Ri, Type};
 use sim::{Model, ShapeKind};
+use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Write the archives: `geometry/hull_0.rib`, `geometry/mesh_0.rib`, …
+/// Write the archives: `geometry/hull_0.rib`, `geometry/mesh_0.rib`, …, each once, whatever number of shapes has it.
 pub fn write_archives(model: &Model, folder: &Path) -> Result<(), Fault> {
+    let mut written = BTreeSet::new();
     for s in 0..model.n_shapes() {
         let (kind, part) = (model.shape_kind[s], model.shape_part[s] as usize);
+        if !written.insert((kind.name(), part)) {
+            continue;
+        }
         let rib = match kind {
             ShapeKind::Hull => {
                 let hull = &model.hulls[part];

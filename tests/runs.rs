@@ -116,6 +116,29 @@ fn a_run_resumes_to_a_longer_duration_and_not_to_a_shorter_one() {
 }
 
 #[test]
+fn a_run_that_stops_when_a_body_appears_resumes_with_the_same_frames() {
+    let work = Work::new();
+    let model = work.write(
+        "m.yaml",
+        "name: m
+step: 1e-3
+duration: 0.2
+frame_rate: 20
+materials: {m: {density: 1000, friction: 0.5}}
+bodies:
+  - {name: ground, material: m, plane: {normal: [0, 0, 1]}}
+  - {name: first, material: m, sphere: {radius: 0.1}, position: [0, 0, 0.1]}
+  - {name: later, material: m, sphere: {radius: 0.1}, position: [0, 0, 0.5], appears: 0.1}
+",
+    );
+    let [whole, run] = ["whole", "run"].map(|name| work.at(name));
+    scree(&["simulate", &model, "-o", &whole]).ok();
+    scree(&["simulate", &model, "-o", &run, "--until", "0.1"]).ok();
+    scree(&["simulate", &model, "-o", &run, "--resume"]).ok();
+    assert_eq!(frames(&run), frames(&whole));
+}
+
+#[test]
 fn files_of_others_and_the_model_itself_are_spared() {
     let work = Work::new();
     let own = work.at("own");

@@ -302,7 +302,10 @@ impl Simulation {
 fn begin(model: &Model, mut state: State) -> (State, StepPlan) {
     state.joints.resize(model.joints.len(), JointState::default());
     state.springs.resize(model.springs.len(), SpringState::default());
-    state.wake(model);
+    // What a later state wakes is woken by its step, as in a run that goes on.
+    if state.activity.len() != model.n_bodies() {
+        state.wake(model);
+    }
     let mut watch = std::mem::take(&mut state.watch);
     watch.start(model, &state);
     state.watch = watch;
