@@ -5,35 +5,29 @@ use glam::DVec3;
 use render::ri::writer::Writer;
 use render::ri::{Class, Fail, Param, Ri, Type};
 use sim::{Model, ShapeKind};
-use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Write the archives: `geometry/hull_0.rib`, `geometry/mesh_0.rib`, …, each once, whatever number of shapes has it.
+/// Write the archives: `geometry/hull_0.rib`, `geometry/mesh_0.rib`, …. Many shapes may have one hull; surfaces are of one shape each.
 pub fn write_archives(model: &Model, folder: &Path) -> Result<(), Fault> {
-    let mut written = BTreeSet::new();
-    for s in 0..model.n_shapes() {
-        let (kind, part) = (model.shape_kind[s], model.shape_part[s] as usize);
-        if !written.insert((kind.name(), part)) {
-            continue;
-        }
-        let rib = match kind {
-            ShapeKind::Hull => {
-                let hull = &model.hulls[part];
-                polygons(&hull.vertices, &hull.faces, &[])
-            }
-            ShapeKind::Mesh | ShapeKind::HeightField => {
-                let surface = &model.surfaces[part];
-                let faces: Vec<Vec<u32>> = surface.triangles.iter().map(|t| t.to_vec()).collect();
-                // A height field is smooth ground; a mesh keeps its edges.
-                let smooth = kind == ShapeKind::HeightField;
-                let normals = if smooth { vertex_normals(&surface.vertices, &surface.triangles) } else { vec![] };
-                polygons(&surface.vertices, &faces, &normals)
-            }
-            _ => continue,
-        };
+    let write = |kind: ShapeKind, part: usize, rib: Result<Vec<u8>, Fail>| {
         let path = folder.join(format!("geometry/{}_{part}.rib", kind.name()));
         let rib = rib.map_err(|e| Fault::whole(FaultKind::Machine, &path, e.message))?;
-        atomic::write(&path, &rib)?;
+        atomic::write(&path, &rib)
+    };
+    for (part, hull) in model.hulls.iter().enumerate() {
+        write(ShapeKind::Hull, part, polygons(&hull.vertices, &hull.faces, &[]))?;
+    }
+    for (kind, part) in model.shape_kind.iter().zip(&model.shape_part) {
+        // A height field is smooth ground; a mesh keeps its edges.
+        let is_smooth = match kind {
+            ShapeKind::Mesh => false,
+            ShapeKind::HeightField => true,
+            _ => continue,
+        };
+        let surface = &model.surfaces[*part as usize];
+        let faces: Vec<Vec<u32>> = surface.triangles.iter().map(|t| t.to_vec()).collect();
+        let normals = if is_smooth { vertex_normals(&surface.vertices, &surface.triangles) } else { vec![] };
+        write(*kind, *part as usize, polygons(&surface.vertices, &faces, &normals))?;
     }
     Ok(())
 }

@@ -82,6 +82,10 @@ impl Stiffness {
     pub fn new<'a>(model: &Model, pulls: impl Iterator<Item = ([u32; 2], &'a Frames, DVec3)>) -> Stiffness {
         /// The norm of what [`Turning::add`] adds by a unit force along an arm of 1 m, a little more than √2.
         const ACROSS: f64 = 1.4143;
+        let mut pulls = pulls.peekable();
+        if pulls.peek().is_none() {
+            return Stiffness::default();
+        }
         let mut norm = vec![0.0; model.n_bodies()];
         for (bodies, f, force) in pulls {
             bodies.into_iter().zip(f.arms()).for_each(|(b, arm)| norm[b as usize] += ACROSS * force.dot(arm).abs());

@@ -123,6 +123,11 @@ impl Joints {
             return;
         }
         self.analyse_what_is_new(masses);
+        self.factorise_with_motors(masses);
+    }
+
+    /// Factorise the rows, whose pattern is known, with motors as they are.
+    fn factorise_with_motors(&mut self, masses: &Masses) {
         if self.motors.soften_lagging(&mut self.rows, masses) {
             self.factorise(masses);
             let mut motors = std::mem::take(&mut self.motors);
@@ -301,7 +306,14 @@ impl Joints {
 
     /// The greatest |dΨ/dt + Cλ| of a response, for rows that are where they shall be, m/s or rad/s.
     pub fn residual_at_rest(&self, response: &Response) -> f64 {
-        let left = |(k, row): (usize, &Row)| row.speed_in(&response.twist) + self.softness[k] * response.lambda[k];
+        self.residual_with(response, 0.0)
+    }
+
+    /// The greatest rate that a response leaves of the rows, with a share of their bias, m/s or rad/s.
+    fn residual_with(&self, response: &Response, bias: f64) -> f64 {
+        let left = |(k, row): (usize, &Row)| {
+            row.speed_in(&response.twist) + bias * self.bias[k] + self.softness[k] * response.lambda[k]
+        };
         self.rows.iter().enumerate().map(left).fold(0.0, |max, r| r.abs().max(max))
     }
 

@@ -10,7 +10,6 @@
 use super::Joints;
 use crate::cpu::masses::Masses;
 use crate::cpu::solve::response::Response;
-use crate::joint::Row;
 use crate::joint_factor::{Factorised, JointFactor};
 use std::sync::Arc;
 
@@ -31,23 +30,22 @@ impl Joints {
     /// [`Joints::prepare`] of a step in which joints act alone: from what an earlier step has factorised, while that lasts. Solves are then to be
     /// finished ([`Joints::finish`]).
     pub fn prepare_from(&mut self, masses: &Masses, last: JointFactor) {
-        if !self.rows.is_empty() {
-            self.analyse_what_is_new(masses);
+        let JointFactor { of, turned, turn, reach } = last;
+        self.lasting = JointFactor { of: None, turned: 0.0, turn, reach: (reach * GROWTH).min(FARTHEST) };
+        if self.rows.is_empty() {
+            return self.prepare(masses);
         }
+        self.analyse_what_is_new(masses);
         let is_large = self.factor.work() >= WORTH * self.factor.n_numbers() as u64;
-        let lasts = !self.rows.is_empty() && is_large && self.motors.is_empty() && !self.is_stiff && !self.is_light;
-        let is_near = lasts && last.turned <= last.reach;
+        let lasts = is_large && self.motors.is_empty() && !self.is_stiff && !self.is_light;
         let is_own = |of: &Arc<Factorised>| self.of.as_ref().is_some_and(|own| Arc::ptr_eq(own, of));
-        let of = last.of.clone().filter(|of| is_near && (is_own(of) || of.is_of(&self.rows, masses)));
-        let is_slow = last.turn > last.reach;
-        self.lasting = JointFactor { of: None, turned: 0.0, reach: (last.reach * GROWTH).min(FARTHEST), ..last };
-        let Some(of) = of else {
-            if lasts && !is_slow {
-                self.renew(masses)
-            } else {
-                self.prepare(masses)
+        let is_near = lasts && turned <= reach;
+        let Some(of) = of.filter(|of| is_near && (is_own(of) || of.is_of(&self.rows, masses))) else {
+            if lasts && turn <= reach {
+                return self.renew(masses);
             }
-            return;
+            (self.of, self.is_old) = (None, false);
+            return self.factorise_with_motors(masses);
         };
         if !is_own(&of) {
             let rows = std::mem::replace(&mut self.rows, of.rows.clone());
@@ -57,7 +55,7 @@ impl Joints {
             self.of = Some(of);
         }
         self.find_softness(masses);
-        (self.is_old, self.n_solves, self.lasting.turned) = (true, 0, last.turned);
+        (self.is_old, self.n_solves, self.lasting.turned) = (true, 0, turned);
     }
 
     /// Factorise the rows of the step for it and those after it.
@@ -68,13 +66,9 @@ impl Joints {
     }
 
     /// The factorisation for the next step, after one in which bodies turn by `turn`, rad.
-    pub fn lasting(&mut self, turn: f64) -> JointFactor {
-        let is_worn = self.is_old && self.n_solves > MOST;
-        if is_worn {
-            self.lasting.reach = self.lasting.turned / 2.0;
-        }
+    pub fn lasting(&self, turn: f64) -> JointFactor {
         let JointFactor { turned, reach, .. } = self.lasting;
-        JointFactor { of: self.of.clone().filter(|_| !is_worn), turned: turned + turn, turn, reach }
+        JointFactor { of: self.of.clone(), turned: turned + turn, turn, reach }
     }
 
     /// Whether the factor is that of an earlier step.
@@ -97,7 +91,7 @@ impl Joints {
     pub fn finish(&mut self, masses: &Masses, response: &mut Response) {
         let mut before = self.first_left;
         while self.is_old {
-            let left = self.left(response);
+            let left = self.residual_with(response, 1.0);
             if left <= LEFT * self.first_left {
                 return;
             }
@@ -105,13 +99,5 @@ impl Joints {
             self.solve(masses, response);
             before = left;
         }
-    }
-
-    /// The greatest rate that is left, m/s or rad/s.
-    fn left(&self, response: &Response) -> f64 {
-        let of = |(k, row): (usize, &Row)| {
-            row.speed_in(&response.twist) + self.bias[k] + self.softness[k] * response.lambda[k]
-        };
-        self.rows.iter().enumerate().map(of).fold(0.0, |most: f64, left| most.max(left.abs()))
     }
 }
