@@ -233,21 +233,30 @@ fn models_go_on_on_a_device_as_on_the_processor() {
         // Solved so far that how a method has begun does not matter.
         cpu.model.solver.iterations = Some(60);
         let mut own = sim::Simulation::on_device(cpu.model.clone(), cpu.state.clone(), open()).unwrap();
-        let mut contacts = [0; 2];
         for _ in 0..20 {
-            contacts = [&mut own, &mut cpu].map(|s| s.step().contacts);
+            own.step();
+            cpu.step();
         }
         own.fetch().unwrap();
+        // The processor makes no contacts that nothing closes in the step.
+        let carries = |s: &sim::Simulation| {
+            let impulses = || s.state.contacts.impulse.iter().map(|impulse| impulse.length());
+            let least = 1e-3 * impulses().fold(0.0, f64::max);
+            impulses().filter(|impulse| *impulse > least).count()
+        };
+        let contacts = [carries(&own), carries(&cpu)];
         let off: Vec<f64> =
             own.state.position.iter().zip(&cpu.state.position).map(|(a, b)| (*a - *b).length()).collect();
         let (worst, mean) = (off.iter().fold(0.0, |a: f64, b| a.max(*b)), off.iter().sum::<f64>() / off.len() as f64);
         let energies = [&own, &cpu].map(|s| s.state.kinetic_energy(&s.model));
-        eprintln!("{name}: {contacts:?} contacts, {worst:.2e} m at most, {mean:.2e} m in the mean, {energies:?} J");
+        eprintln!(
+            "{name}: {contacts:?} contacts that carry, {worst:.2e} m at most, {mean:.2e} m in the mean, {energies:?} J"
+        );
         // Pendulums swing free.
         let enough = contacts[1] > 10 || name == "pendulums";
-        // One may be at the rim of a face, or of the reach; of the lines along which shoes touch rollers the processor has here and there but
-        // one end, where the normal is off by 1e-5.
-        let may_differ = (contacts[1] / 50).max(1);
+        // One may be at the rim of a face, or of the reach, and bricks in flight may touch with two corners or with three; of the lines along which shoes
+        // touch rollers the processor has here and there but one end, where the normal is off by 1e-5.
+        let may_differ = (contacts[1] / 10).max(1);
         assert!(enough && contacts[0].abs_diff(contacts[1]) <= may_differ, "{name}: {contacts:?}");
         // In a bed that comes to rest some grains roll another way; they move by up to some centimetres.
         assert!(worst < 1e-3 && mean < 5e-5, "{name}: {worst} m at most, {mean} m in the mean");

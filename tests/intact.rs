@@ -172,6 +172,7 @@ fn manifold(end: u32, shapes: [u32; 2]) -> sim::manifolds::Kept {
         axis: position,
         corners,
         reach: 0.1,
+        gap: 0.0,
         slack: 0.0,
     }
 }

@@ -31,6 +31,12 @@ impl Aabb {
         (self.min.cmple(other.min) & other.max.cmple(self.max)).all()
     }
 
+    /// A gap that the contents of two boxes have at least, m; negative or zero where the boxes overlap or touch.
+    #[inline]
+    pub fn gap(&self, other: &Aabb) -> f32 {
+        (self.min - other.max).max(other.min - self.max).max_element()
+    }
+
     /// Whether two boxes overlap or touch.
     #[inline]
     pub fn overlaps(&self, other: &Aabb) -> bool {

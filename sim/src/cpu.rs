@@ -24,6 +24,7 @@ mod pair_write;
 mod recycle;
 pub(crate) mod solve;
 mod sphere_pairs;
+mod strikes;
 mod warm_start;
 
 use crate::aabb::Aabb;
@@ -57,6 +58,8 @@ pub struct Cpu {
     bins: Bins,
     pairs: Pairs,
     touching: contact_write::Touching,
+    /// Whether pairs have all contacts within their margins, as on a device.
+    has_all_contacts: bool,
     last: warm_start::Last,
     free: Vec<Twist>,
     joint_start: Vec<u32>,
@@ -153,6 +156,11 @@ impl Backend for Cpu {
 }
 
 impl Cpu {
+    /// The back end for the first stages of steps that a device completes, whose contacts are those that it would find itself.
+    pub fn before_device() -> Cpu {
+        Cpu { has_all_contacts: true, ..Cpu::default() }
+    }
+
     /// The rows of the joints and the masses of a step, after the stage that writes them.
     pub fn into_joints(self) -> (Joints, Masses) {
         (self.joints, self.masses)
@@ -181,6 +189,7 @@ impl Cpu {
             tight: &self.tight_aabb,
             spheres: &self.spheres,
             last: recycle::Last::new(&manifolds, model.n_shapes(), self.pairs_hold),
+            are_all: self.has_all_contacts || plan.coheres,
         };
         contact_write::run(&at, &self.pairs, &mut self.touching, &mut contacts);
         state.contacts = contacts;

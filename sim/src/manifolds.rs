@@ -45,6 +45,8 @@ pub struct Kept {
     pub corners: Corners,
     /// Gap up to which points were looked for, m.
     pub reach: f64,
+    /// Gap that the shapes had at least when they were, m; negative in overlap.
+    pub gap: f64,
     /// Relative motion up to which the points may be carried along, m.
     pub slack: f64,
 }
@@ -93,6 +95,7 @@ impl Manifolds {
                     && k.orientation.is_normalized()
                     && (k.axis == DVec3::ZERO || k.axis.is_normalized())
                     && k.reach.is_finite()
+                    && k.gap.is_finite()
                     && k.slack.is_finite()
             };
             let place = |p: &KeptPoint| p.on_first.is_finite() && p.on_second.is_finite() && p.normal.is_normalized();

@@ -113,7 +113,7 @@ impl Simulation {
         let engine = if from == Stage::Bounds {
             Engine::Gpu(gpu)
         } else {
-            let mut cpu = Box::new(Cpu::default());
+            let mut cpu = Box::new(Cpu::before_device());
             cpu.prepare(&model, &state, &plan);
             Engine::Split(cpu, gpu)
         };

@@ -172,10 +172,10 @@ columns! {
         [Integrate] => [Bounds, PairWrite, ContactWrite, Force, JointWrite, ContactSolve, Integrate];
     /// Velocities, world.
     Velocity "velocity": DVec3, Length::Bodies, Values::Watched, "m/s",
-        [Integrate] => [Bounds, Force, ContactSolve];
+        [Integrate] => [Bounds, ContactWrite, Force, ContactSolve];
     /// Angular velocities, principal frame.
     AngularVelocity "angular_velocity": DVec3, Length::Bodies, Values::Watched, "rad/s",
-        [Integrate] => [Bounds, Force, ContactSolve];
+        [Integrate] => [Bounds, ContactWrite, Force, ContactSolve];
     /// Distance from a shape's surface within which contacts are generated.
     Margin "margin": f32, Length::Shapes, Values::Finite, "m", [Bounds] => [ContactWrite];
     /// Tight AABBs, grown by the margin, where the plan has [`Narrow::Any`].

@@ -1,6 +1,8 @@
 //! Narrow phase: write the contacts of the candidate pairs.
 //! in   position           [n_bodies]       m
 //! in   orientation        [n_bodies]
+//! in   velocity           [n_bodies]       m/s
+//! in   angular_velocity   [n_bodies]       rad/s
 //! in   margin             [n_shapes]       m
 //! in   tight_aabb         [n_shapes]       m, where the plan has any shapes
 //! in   sphere             [n_shapes]       where the plan has spheres only
@@ -24,11 +26,11 @@
 
 use super::collide::convex::Axis;
 use super::collide::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
-use super::collide::rolling::is_curved;
-use super::collide::{Triangle, Way, collide, collide_triangle, pass, surface_of};
+use super::collide::{Triangle, collide, collide_triangle, pass, surface_of};
 use super::contact_rows::{Rows, along};
 use super::pair_write::Pairs;
-use super::recycle::{Last, collide_or_recycle, keeps};
+use super::recycle::{Last, Reach, collide_or_recycle, keeps, moved};
+use super::strikes::{Moving, Near, Strikes};
 use super::{bounds, sphere_pairs};
 use crate::aabb::Aabb;
 use crate::contacts::{Arms, Contacts, OTHER, Tiles};
@@ -40,8 +42,6 @@ use crate::rows::{CHUNK, cut, fill_rows};
 use crate::shape::ShapeKind;
 use crate::sphere::Sphere;
 use crate::state::State;
-use crate::twist::Twist;
-use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -61,6 +61,8 @@ pub struct Input<'a> {
     pub spheres: &'a [Sphere],
     /// The manifolds of the last step.
     pub last: Last<'a>,
+    /// Whether pairs have all contacts within their margins, or those alone that may close in the step ([`Strikes`]).
+    pub are_all: bool,
 }
 
 /// The pairs that touch: the stage's own columns, which keep their memory from step to step.
@@ -71,38 +73,14 @@ pub struct Touching {
     place: Vec<u32>,
     /// Number of sphere pairs that touch in each part.
     n: Vec<usize>,
-    /// Balls about the shapes with their margins, where the plan has any shapes (n_shapes).
-    balls: Vec<Ball>,
+    /// The shapes with their margins, where the plan has any shapes (n_shapes).
+    moving: Vec<Moving>,
+    /// The bodies that may be struck in the step.
+    strikes: Strikes,
     /// Other pairs that touch, by parts.
     others: Vec<Others>,
     /// The manifolds that are kept for the next step.
     pub manifolds: Manifolds,
-}
-
-/// A ball about a shape with its margin, in single precision, rounded up: what most pairs of a dense pile are told apart by.
-#[derive(Clone, Copy, Default)]
-struct Ball {
-    centre: [f32; 3],
-    radius: f32,
-}
-
-impl Ball {
-    fn of(placed: &Placed, margin: f32) -> Ball {
-        // The rounding of two centres, and of the radius.
-        let rounding = 2.5e-7 * placed.position.abs().max_element();
-        Ball {
-            centre: placed.position.as_vec3().to_array(),
-            radius: ((placed.extent + margin as f64) * (1.0 + 1e-6) + rounding) as f32,
-        }
-    }
-
-    /// Whether the balls may overlap.
-    #[inline(always)]
-    fn is_near(&self, other: &Ball) -> bool {
-        let reach = self.radius + other.radius;
-        let of = |k: usize| self.centre[k] - other.centre[k];
-        of(0) * of(0) + of(1) * of(1) + of(2) * of(2) <= reach * reach
-    }
 }
 
 /// Candidate pairs of a tile that one task collides.
@@ -146,9 +124,101 @@ impl Part {
     }
 }
 
+/// The shapes of a step.
+struct Shapes<'a> {
+    /// Where they are, or empty.
+    placed: &'a [Placed<'a>],
+    moving: &'a [Moving],
+    strikes: &'a Strikes,
+}
+
+impl Shapes<'_> {
+    /// Whether the margins of two shapes may overlap.
+    fn are_near(&self, s: u32, t: u32) -> bool {
+        self.placed.is_empty() || self.moving[s as usize].is_near(&self.moving[t as usize])
+    }
+
+    /// The tight AABB of a shape.
+    fn tight(&self, at: &Input, s: u32) -> Aabb {
+        let s = s as usize;
+        at.tight.get(s).copied().unwrap_or_else(|| bounds::tight(at.model, at.state, s, at.margin[s]))
+    }
+
+    /// The gap up to which two shapes of these bodies have contacts, and one that they have at least, m.
+    fn reach(&self, near: &Near, shapes: [u32; 2], bodies: [u32; 2]) -> (f64, f64) {
+        if self.placed.is_empty() {
+            return (near.full as f64, f64::NEG_INFINITY);
+        }
+        let moving = shapes.map(|s| &self.moving[s as usize]);
+        (self.strikes.reach(near, bodies, moving) as f64, near.gap as f64)
+    }
+}
+
+/// A gap that two shapes with margins, whose sum is `full`, m, have at least, m: that of balls about them, or of one above a plane; 0 for triangles.
+fn least_gap([a, b]: [&Placed; 2], [moving_a, moving_b]: [&Moving; 2], full: f32) -> f32 {
+    let above = |plane: &Placed, other: &Placed| {
+        ((other.position - plane.position).dot(plane.rotation.z_axis) - other.extent) as f32
+    };
+    match (a.kind, b.kind) {
+        (ShapeKind::Plane, _) => above(a, b),
+        (_, ShapeKind::Plane) => above(b, a),
+        _ if a.extent + b.extent == f64::INFINITY => 0.0,
+        _ => moving_a.gap(moving_b, full),
+    }
+}
+
+/// Another pair with overlapping margins.
+struct Seen {
+    near: Near,
+    manifold: Manifold,
+}
+
+/// The manifold that a pair had in the last step.
+#[derive(Clone, Copy)]
+enum Manifold {
+    /// It was not looked for.
+    Unknown,
+    None,
+    /// Its part and index, and how far the shapes have moved against each other since its points were found, m.
+    Of([u32; 2], f64),
+}
+
+impl Manifold {
+    /// That of the pair `k` of a part.
+    fn find(
+        at: &Input,
+        (part, k): (usize, u32),
+        (shapes, placed): ([u32; 2], [&Placed; 2]),
+        found: &mut usize,
+    ) -> Manifold {
+        if !placed.iter().all(|shape| keeps(shape.kind)) {
+            return Manifold::None;
+        }
+        match at.last.find(part, k, shapes, found) {
+            Some(last) => Manifold::Of(last, moved(placed, at.last.get(last).0)),
+            None => Manifold::None,
+        }
+    }
+
+    /// A gap that the shapes have at least, as far as it tells, m.
+    fn least_gap(self, at: &Input) -> f32 {
+        match self {
+            Manifold::Of(last, moved) => (at.last.get(last).0.gap - moved) as f32,
+            _ => f32::NEG_INFINITY,
+        }
+    }
+
+    /// The overlap that the shapes had when its points were found, m.
+    fn overlap(self, at: &Input) -> f32 {
+        if let Manifold::Of(last, _) = self { -at.last.get(last).0.gap as f32 } else { 0.0 }
+    }
+}
+
 /// The other pairs of a part that touch.
 #[derive(Default)]
 struct Others {
+    /// Those with overlapping margins, in order.
+    seen: Vec<Seen>,
     /// Index of each pair within the part, and the end of its points in `point`.
     touching: Vec<[u32; 2]>,
     point: Vec<Point>,
@@ -161,8 +231,8 @@ pub fn run(at: &Input, pairs: &Pairs, touching: &mut Touching, contacts: &mut Co
             let shapes = (0..at.model.n_shapes()).into_par_iter().with_min_len(CHUNK);
             let placed: Vec<Placed> =
                 shapes.map(|s| Placed::of(at.model, at.state.shape_pose(at.model, s), s)).collect();
-            touching.balls.resize(at.model.n_shapes(), Ball::default());
-            fill_rows(&mut touching.balls, |s| Ball::of(&placed[s], at.margin[s]));
+            touching.moving.resize(at.model.n_shapes(), Moving::default());
+            fill_rows(&mut touching.moving, |s| Moving::of((at.model, at.state), s, &placed[s], at.margin[s]));
             let mut arms = if let Arms::Any(arms) = arms { arms } else { vec![] };
             let arms_of = |bodies: [u32; 2], point: &Point, _: [f64; 2]| {
                 let contact = match at.surface_of(bodies, point.gap) {
@@ -215,18 +285,26 @@ fn find_and_write<A: Copy + Default + Send>(
     ),
 ) {
     let parts = &Part::all(pairs);
-    let Touching { place, n, others, balls, manifolds } = touching;
+    let Touching { place, n, others, moving, strikes, manifolds } = touching;
+    strikes.begin(at.model, at.state, (at.are_all || placed.is_empty(), !pairs.spheres.is_empty()));
+    let shapes = &Shapes { placed, moving, strikes };
     manifolds.parts.resize_with(parts.len(), PartManifolds::default);
     others.resize_with(parts.len(), Others::default);
     n.resize(parts.len(), 0);
     place.resize(pairs.spheres.len(), 0);
     let mut slots = cut(place, parts.iter().map(|part| part.spheres(pairs).len()));
-    let each =
-        (parts, &mut slots, &mut *n, &mut *others, &mut manifolds.parts).into_par_iter().with_max_len(1).enumerate();
-    each.for_each(|(k, (part, slots, n, others, kept))| {
+    let each = (parts, &mut slots, &mut *n, &mut *others).into_par_iter().with_max_len(1).enumerate();
+    each.for_each(|(k, (part, slots, n, others))| {
         *n = find(part.spheres(pairs), slots);
-        others.find(at, (placed, balls), k, part.others(pairs), kept);
+        others.look(at, shapes, k, part.others(pairs));
     });
+    let follow = || {
+        let each = (parts, &*others).into_par_iter().with_max_len(1);
+        each.map(|(part, others)| others.follow(at, shapes, part.others(pairs))).reduce(|| false, |a, b| a | b)
+    };
+    while strikes.are_any() && follow() {}
+    let each = (parts, &mut *others, &mut manifolds.parts).into_par_iter().with_max_len(1);
+    each.enumerate().for_each(|(k, (part, others, kept))| others.find(at, shapes, k, part.others(pairs), kept));
 
     let Contacts { bodies, key, pair, normal, gap, law, tiles, .. } = contacts;
     let counts = n.iter().zip(&*others).map(|(n, others)| (*n + others.point.len()) as u32);
@@ -279,46 +357,71 @@ fn find_spheres(pairs: &[[u32; 2]], sphere: impl Fn(u32) -> Sphere, place: &mut 
 }
 
 impl Others {
+    /// See which of the other pairs have overlapping margins, and whether they may strike each other.
+    fn look(&mut self, at: &Input, shapes: &Shapes, part: usize, pairs: &[[u32; 3]]) {
+        self.seen.clear();
+        let mut found = 0;
+        for (k, &[s, t, _]) in pairs.iter().enumerate() {
+            if !shapes.are_near(s, t) {
+                continue;
+            }
+            let apart = shapes.tight(at, s).gap(&shapes.tight(at, t));
+            if apart > 0.0 {
+                continue;
+            }
+            let (k, full) = (k as u32, at.margin[s as usize] + at.margin[t as usize]);
+            let (Some(a), Some(b)) = (shapes.placed.get(s as usize), shapes.placed.get(t as usize)) else {
+                self.seen.push(Seen { near: Near::whole(k, full), manifold: Manifold::Unknown });
+                continue;
+            };
+            let moving = [s, t].map(|s| &shapes.moving[s as usize]);
+            let mut near = shapes.strikes.near(k, moving, (full, apart + full));
+            if !near.is_beyond() {
+                near.gap = near.gap.max(least_gap([a, b], moving, full));
+            }
+            let mut manifold = Manifold::Unknown;
+            if !near.is_beyond() {
+                manifold = Manifold::find(at, (part, k), ([s, t], [a, b]), &mut found);
+                near.gap = near.gap.max(manifold.least_gap(at));
+                let bodies = [s, t].map(|s| at.model.shape_body[s as usize]);
+                shapes.strikes.look(at.state, &near, bodies, moving, manifold.overlap(at));
+            }
+            self.seen.push(Seen { near, manifold });
+        }
+    }
+
+    /// Let strikes follow each other, once more over the pairs. Returns whether any body may be struck earlier than was known.
+    fn follow(&self, at: &Input, shapes: &Shapes, pairs: &[[u32; 3]]) -> bool {
+        let follow = |seen: &Seen| {
+            let [s, t, _] = pairs[seen.near.k as usize];
+            let moving = [s, t].map(|s| &shapes.moving[s as usize]);
+            shapes.strikes.follow(at.state, &seen.near, [s, t].map(|s| at.model.shape_body[s as usize]), moving)
+        };
+        self.seen.iter().fold(false, |any, seen| follow(seen) | any)
+    }
+
     /// Find which of the other pairs touch, and their points.
-    fn find(
-        &mut self,
-        at: &Input,
-        (placed, balls): (&[Placed], &[Ball]),
-        part: usize,
-        pairs: &[[u32; 3]],
-        kept: &mut PartManifolds,
-    ) {
+    fn find(&mut self, at: &Input, shapes: &Shapes, part: usize, pairs: &[[u32; 3]], kept: &mut PartManifolds) {
+        let mut found = 0;
         self.touching.clear();
         self.point.clear();
         kept.clear();
-        let mut found = 0;
-        let tight = |s: u32| {
-            at.tight
-                .get(s as usize)
-                .copied()
-                .unwrap_or_else(|| bounds::tight(at.model, at.state, s as usize, at.margin[s as usize]))
-        };
         let place = |s: u32| Placed::of(at.model, at.state.shape_pose(at.model, s as usize), s as usize);
-        let is_near = |s: u32, t: u32| match (balls.get(s as usize), balls.get(t as usize)) {
-            (Some(a), Some(b)) => a.is_near(b),
-            _ => true,
-        };
         let mut out = [Point::default(); MAX_POINTS];
-        for (k, &[s, t, triangle]) in pairs.iter().enumerate() {
-            if is_near(s, t) && tight(s).overlaps(&tight(t)) {
-                let own;
-                let both = match (placed.get(s as usize), placed.get(t as usize)) {
-                    (Some(a), Some(b)) => [a, b],
-                    _ => {
-                        own = [s, t].map(place);
-                        [&own[0], &own[1]]
-                    }
-                };
-                let n = points(at, (part, k), [s, t, triangle], both, (kept, &mut found), &mut out);
-                if n > 0 {
-                    self.point.extend_from_slice(&out[..n]);
-                    self.touching.push([k as u32, self.point.len() as u32]);
+        for seen in &self.seen {
+            let [s, t, triangle] = pairs[seen.near.k as usize];
+            let own;
+            let both = match (shapes.placed.get(s as usize), shapes.placed.get(t as usize)) {
+                (Some(a), Some(b)) => [a, b],
+                _ => {
+                    own = [s, t].map(place);
+                    [&own[0], &own[1]]
                 }
+            };
+            let n = points(at, (seen, shapes, part), [s, t, triangle], both, (kept, &mut found), &mut out);
+            if n > 0 {
+                self.point.extend_from_slice(&out[..n]);
+                self.touching.push([seen.near.k, self.point.len() as u32]);
             }
         }
     }
@@ -345,30 +448,40 @@ impl Others {
 /// The contact points of a pair of a part, its manifold kept where it is one of convex shapes. Returns their count.
 fn points(
     at: &Input,
-    (part, pair): (usize, usize),
+    (seen, shapes, part): (&Seen, &Shapes, usize),
     [s, t, triangle]: [u32; 3],
     [a, b]: [&Placed; 2],
     (kept, found): (&mut PartManifolds, &mut usize),
     out: &mut Points,
 ) -> usize {
-    let (model, shapes, s, t) = (at.model, [s, t], s as usize, t as usize);
+    let (model, ids, s, t) = (at.model, [s, t], s as usize, t as usize);
     let reach = (at.margin[s] + at.margin[t]) as f64;
-    let way = || at.way(shapes.map(|s| model.shape_body[s as usize] as usize), [a, b]);
+    let bodies = ids.map(|s| model.shape_body[s as usize]);
+    let way = || {
+        let of = |s: usize, placed: &Placed| match shapes.moving.get(s) {
+            Some(moving) if !shapes.placed.is_empty() => *moving,
+            _ => Moving::of((model, at.state), s, placed, 0.0),
+        };
+        Moving::way((model, at.state), bodies, [&of(s, a), &of(t, b)])
+    };
     if let Some(surface) = surface_of(model, t) {
         collide_triangle(a, &Triangle::of(surface, triangle, b), reach, out)
     } else if let Some(surface) = surface_of(model, s) {
         let n = collide_triangle(b, &Triangle::of(surface, triangle, a), reach, out);
         swap_shapes(out, n)
     } else if keeps(a.kind) && keeps(b.kind) {
-        let last = at.last.find(part, pair as u32, shapes, found);
-        collide_or_recycle(
-            [a, b],
-            (pair as u32, shapes),
-            (reach, at.model.recycle, at.model.solver.rest_gap),
-            last,
-            way,
-            (kept, out),
-        )
+        let (contacts, gap) = shapes.reach(&seen.near, ids, bodies);
+        let look = reach.min(2.0 * model.envelope);
+        let manifold = match seen.manifold {
+            // Without a manifold it is found anew once something is near.
+            Manifold::Unknown if gap > contacts => return 0,
+            Manifold::Unknown => Manifold::find(at, (part, seen.near.k), (ids, [a, b]), found),
+            known => known,
+        };
+        let gap = gap.max(manifold.least_gap(at) as f64);
+        let last = if let Manifold::Of(last, moved) = manifold { Some((at.last.get(last), moved)) } else { None };
+        let bounds = (Reach { contacts, look }, gap, model.recycle, model.solver.rest_gap);
+        collide_or_recycle([a, b], (seen.near.k, ids), bounds, last, way, (kept, out))
     } else {
         let n = collide(a, b, reach, out);
         let is_plane = [a, b].iter().any(|shape| shape.kind == ShapeKind::Plane);
@@ -377,19 +490,6 @@ fn points(
 }
 
 impl Input<'_> {
-    /// How two shapes of these bodies move in the step.
-    fn way(&self, bodies: [usize; 2], shapes: [&Placed; 2]) -> Way {
-        let Input { model, state, .. } = self;
-        let mut way = Way { step: model.step, ..Way::default() };
-        for (k, body) in bodies.into_iter().enumerate() {
-            let Twist { v, w } = state.twist(body);
-            way.velocity[k] = v + w.cross(shapes[k].position - state.position[body]);
-            way.spin[k] = if is_curved(shapes[k].kind) { DVec3::ZERO } else { w };
-            way.fall[k] = if state.moves(body) { model.gravity * model.step } else { DVec3::ZERO };
-        }
-        way
-    }
-
     /// The body, 0 for A and 1 for B, on whose surface a contact at a gap has its point: that which moves, where the other is held in
     /// place and they have not met yet. Between two bodies that move the point is in the middle, which keeps the angular momentum.
     #[inline(always)]

@@ -55,57 +55,77 @@ impl<'a> Last<'a> {
         Last { manifolds, pairs_hold, known }
     }
 
-    /// The manifold of the pair `pair` of a part, of two shapes; `at` is where the part's last manifold was found, for pairs that ascend.
-    pub fn find(&self, part: usize, pair: u32, shapes: [u32; 2], at: &mut usize) -> Option<(&Kept, &[KeptPoint])> {
-        let (part, k) = if self.pairs_hold {
-            let kept = &self.manifolds.parts.get(part)?.kept;
-            while kept.get(*at).is_some_and(|kept| kept.pair < pair) {
-                *at += 1;
-            }
-            (kept.get(*at)?.pair == pair).then_some((part, *at))?
-        } else {
-            let [part, k] = *self.known.find(shapes).next()?;
-            (part as usize, k as usize)
-        };
-        let of_part = &self.manifolds.parts[part];
-        Some((&of_part.kept[k], of_part.points_of(k)))
+    /// Part and index of the manifold of the pair `pair` of a part, of two shapes; `at` is where the part's last manifold was found, for pairs
+    /// that ascend.
+    pub fn find(&self, part: usize, pair: u32, shapes: [u32; 2], at: &mut usize) -> Option<[u32; 2]> {
+        if !self.pairs_hold {
+            return self.known.find(shapes).next().copied();
+        }
+        let kept = &self.manifolds.parts.get(part)?.kept;
+        while kept.get(*at).is_some_and(|kept| kept.pair < pair) {
+            *at += 1;
+        }
+        (kept.get(*at)?.pair == pair).then_some([part as u32, *at as u32])
+    }
+
+    /// A manifold, and its points.
+    pub fn get(&self, [part, k]: [u32; 2]) -> (&'a Kept, &'a [KeptPoint]) {
+        let of_part = &self.manifolds.parts[part as usize];
+        (&of_part.kept[k as usize], of_part.points_of(k as usize))
     }
 }
 
-/// Find the contact points of two convex shapes with a gap of at most `reach`, m, and keep their manifold: those of `last` carried along,
-/// or new ones once the shapes have moved against each other by more than `slack`, m. Gaps up to `rest_gap`, m, carry. `way` tells how they move in the step.
-/// Returns their count.
+/// How far points of two shapes have moved against each other since those of a manifold were found, m, at most: in the frame of the larger one.
+pub fn moved([a, b]: [&Placed; 2], kept: &Kept) -> f64 {
+    let turned = a.orientation * kept.orientation;
+    // Sine of half the angle.
+    let half = (turned.inverse() * b.orientation).xyz().length();
+    let between = b.position - a.position;
+    let way = if a.extent < b.extent {
+        b.local(between).distance(kept.orientation.inverse() * kept.position)
+    } else {
+        a.local(between).distance(kept.position)
+    };
+    way + 2.0 * half * a.extent.min(b.extent)
+}
+
+/// How far apart contact points may be, m.
+#[derive(Clone, Copy)]
+pub struct Reach {
+    /// The gap up to which points are contacts.
+    pub contacts: f64,
+    /// The gap up to which they are looked for, at least.
+    pub look: f64,
+}
+
+/// Find the contact points of two convex shapes within their reach, and keep their manifold: those of `last` carried along, or new ones once the shapes
+/// have moved against each other by more than `slack`, m; it comes with how far that is, m. They have a gap of at least `gap`, m. Gaps up to `rest_gap`, m,
+/// carry. `way` tells how they move in the step. Returns the number of points.
 pub fn collide_or_recycle(
     [a, b]: [&Placed; 2],
     (pair, shapes): (u32, [u32; 2]),
-    (reach, slack, rest_gap): (f64, f64, f64),
-    last: Option<(&Kept, &[KeptPoint])>,
+    (reach, gap, slack, rest_gap): (Reach, f64, f64, f64),
+    last: Option<((&Kept, &[KeptPoint]), f64)>,
     way: impl FnOnce() -> Way,
     (kept, out): (&mut PartManifolds, &mut Points),
 ) -> usize {
-    if a.position.distance(b.position) > a.extent + b.extent + reach {
-        return 0;
-    }
-    let position = a.local(b.position - a.position);
-    let moved = |kept: &Kept| {
-        let turned = a.orientation * kept.orientation;
-        // Sine of half the angle.
-        let half = (turned.inverse() * b.orientation).xyz().length();
-        position.distance(kept.position) + 2.0 * half * a.extent.min(b.extent)
-    };
-    let holds = |kept: &Kept| {
-        let moved = moved(kept);
-        moved <= kept.slack && reach + moved <= kept.reach
-    };
-    if let Some((known, points)) = last.filter(|(known, _)| holds(known)) {
+    let Reach { contacts: reach, look } = reach;
+    let is_beyond = gap > reach;
+    let holds = |kept: &Kept, moved: f64| moved <= kept.slack && reach + moved <= kept.reach;
+    if let Some(((known, points), _)) = last.filter(|((known, _), moved)| is_beyond || holds(known, *moved)) {
         kept.points.extend_from_slice(points);
         kept.kept.push(Kept { pair, end: kept.points.len() as u32, ..*known });
-        return carry([a, b], points, reach, out);
+        return if is_beyond { 0 } else { carry([a, b], points, reach, out) };
     }
-    let keep = |n: usize, kept: &mut PartManifolds, (axis, reach, slack): (Axis, f64, f64)| {
+    if is_beyond {
+        return 0;
+    }
+    let last = last.map(|(last, _)| last);
+    let position = a.local(b.position - a.position);
+    let keep = |n: usize, kept: &mut PartManifolds, (axis, reach, gap, slack): (Axis, f64, f64, f64)| {
         let (end, orientation) = (kept.points.len() as u32, (a.orientation.inverse() * b.orientation).normalize());
         let (corners, axis) = (axis.corners, a.local(axis.direction).normalize_or_zero());
-        kept.kept.push(Kept { pair, end, shapes, position, orientation, axis, corners, reach, slack });
+        kept.kept.push(Kept { pair, end, shapes, position, orientation, axis, corners, reach, gap, slack });
         n
     };
     let mut axis = last.map_or(Axis::default(), |(known, _)| Axis {
@@ -116,22 +136,26 @@ pub fn collide_or_recycle(
     if last.is_some_and(|(_, points)| points.is_empty()) && axis.direction != DVec3::ZERO {
         axis.apart = separation(a, b, axis.direction);
         if axis.apart > reach {
-            return keep(0, kept, (axis, axis.apart, axis.apart));
+            return keep(0, kept, (axis, axis.apart, axis.apart, axis.apart));
         }
     }
-    let farther = reach * (1.0 + FARTHER);
+    let farther = reach.max(look) * (1.0 + FARTHER);
     let n = collide_along(a, b, farther, &mut axis, out);
     let n = pass([a, b], way, (farther, rest_gap), (&mut axis, n), out);
     let face = face_of([a, b], &out[..n]);
     let mut least = farther;
+    // Most points have one normal.
+    let (mut normal, mut normals) = (DVec3::ZERO, [DVec3::ZERO; 2]);
     for p in &out[..n] {
         least = least.min(p.gap);
+        if p.normal != normal {
+            (normal, normals) = (p.normal, [a, b].map(|shape| shape.local(p.normal).normalize()));
+        }
         let is_of_second = face.unwrap_or(p.feature & OF_SECOND != 0);
-        let normal = if is_of_second { b.local(p.normal) } else { a.local(p.normal) };
-        let on_first = held(a, a.local(p.on_first - a.position), a.local(p.normal));
-        let on_second = held(b, b.local(p.on_second - b.position), b.local(-p.normal));
-        let feature = p.feature;
-        kept.points.push(KeptPoint { on_first, on_second, normal: normal.normalize(), feature, is_of_second });
+        let on_first = held(a, a.local(p.on_first - a.position), normals[0]);
+        let on_second = held(b, b.local(p.on_second - b.position), -normals[1]);
+        let (normal, feature) = (normals[is_of_second as usize], p.feature);
+        kept.points.push(KeptPoint { on_first, on_second, normal, feature, is_of_second });
     }
     // Of what does not carry yet the points may be behind: it carries once the gap is closed.
     let slack = match face {
@@ -141,8 +165,8 @@ pub fn collide_or_recycle(
         _ => slack + OF_GAP * least.max(0.0),
     };
     let until = if n == 0 { axis.apart.max(farther) } else { farther };
-    let slack = if n == 0 { until } else { slack };
-    keep(n, kept, (axis, until, slack));
+    let (least, slack) = if n == 0 { (until, until) } else { (least, slack) };
+    keep(n, kept, (axis, until, least, slack));
     let mut near = 0;
     for k in 0..n {
         out[near] = out[k];
@@ -208,6 +232,18 @@ mod tests {
         points.iter().map(|p| p.gap).fold(f64::INFINITY, f64::min)
     }
 
+    /// Collide two shapes that do not move, with a reach, a slack and a gap of rest, m, and maybe the manifold that they had.
+    fn again(
+        both: [&Placed; 2],
+        (reach, slack, rest_gap): (f64, f64, f64),
+        last: Option<(&Kept, &[KeptPoint])>,
+        out: (&mut PartManifolds, &mut Points),
+    ) -> usize {
+        let reach = Reach { contacts: reach, look: reach };
+        let last = last.map(|last| (last, moved(both, last.0)));
+        collide_or_recycle(both, (0, [0, 1]), (reach, f64::NEG_INFINITY, slack, rest_gap), last, Way::default, out)
+    }
+
     #[test]
     fn carried_points_have_the_gaps_of_new_ones() {
         let mut random = SplitMix64(5);
@@ -226,8 +262,7 @@ mod tests {
             let slack = 1e-3;
             let find = |b: &Placed, last: Option<(&Kept, &[KeptPoint])>, kept: &mut PartManifolds| {
                 let mut out = Points::default();
-                let n =
-                    collide_or_recycle([&a, b], (0, [0, 1]), (0.2, slack, 0.0), last, Way::default, (kept, &mut out));
+                let n = again([&a, b], (0.2, slack, 0.0), last, (kept, &mut out));
                 out[..n].to_vec()
             };
             let mut first = PartManifolds::default();
@@ -253,6 +288,44 @@ mod tests {
             assert!((least(&old) - least(&new)).abs() < bound, "{i}: {} {}", least(&old), least(&new));
         }
         assert!(carried > 1_000, "{carried}");
+    }
+
+    /// Small and long boxes in either order, that move and turn: they come no nearer than by what is taken for their motion.
+    #[test]
+    fn gaps_close_by_no_more_than_shapes_have_moved() {
+        /// Two shapes, or the second first.
+        fn order(i: usize, both: [Placed; 2]) -> [Placed; 2] {
+            if i.is_multiple_of(2) { both } else { [both[1], both[0]] }
+        }
+        let mut random = SplitMix64(6);
+        let mut near = 0;
+        for i in 0..4_000 {
+            let mut vector = |most: f64| DVec3::from([0; 3].map(|_| random.between(-most, most)));
+            let (small, long) = (DVec3::splat(0.02), DVec3::new(1.0, 0.01, 0.01));
+            let (along, off, shift, turn) = (vector(0.9).x, vector(0.05), vector(2e-3), vector(2e-2));
+            let (first, second) = (DQuat::from_scaled_axis(vector(3.0)), DQuat::from_scaled_axis(vector(3.0)));
+            let placed = |size: DVec3, position: DVec3, orientation: DQuat| {
+                Placed::new(ShapeKind::Box, size, Pose { position, orientation }, None)
+            };
+            let block = placed(small, DVec3::ZERO, first);
+            let rod = placed(long, second * DVec3::X * along + off, second);
+            let turned = DQuat::from_scaled_axis(turn) * second;
+            let moved_rod = placed(long, rod.position + shift, turned);
+            let find = |both: [Placed; 2]| {
+                let mut kept = PartManifolds::default();
+                again([&both[0], &both[1]], (0.05, 0.0, 0.0), None, (&mut kept, &mut Points::default()));
+                kept
+            };
+            let (before, after) = (find(order(i, [block, rod])), find(order(i, [block, moved_rod])));
+            let (Some(before), Some(after)) = (before.kept.first(), after.kept.first()) else { continue };
+            let [a, b] = order(i, [block, moved_rod]);
+            if before.gap > 0.0 {
+                near += 1;
+                let least = before.gap - moved([&a, &b], before);
+                assert!(after.gap > least - 1e-9, "{i}: {} m, at least {least}", after.gap);
+            }
+        }
+        assert!(near > 500, "{near}");
     }
 
     /// Shapes that roll a little, on a block, a hull and the end of a cylinder, touch it where they would if they were collided anew.
@@ -290,8 +363,7 @@ mod tests {
                 let find = |b: &Placed, last: Option<(&Kept, &[KeptPoint])>, kept: &mut PartManifolds| {
                     let mut out = Points::default();
                     let both = if is_second { [&floor, b] } else { [b, &floor] };
-                    let n =
-                        collide_or_recycle(both, (0, [0, 1]), (0.01, 2e-3, 0.0), last, Way::default, (kept, &mut out));
+                    let n = again(both, (0.01, 2e-3, 0.0), last, (kept, &mut out));
                     out[..n].to_vec()
                 };
                 let [mut first, mut second] = [PartManifolds::default(), PartManifolds::default()];
@@ -324,7 +396,7 @@ mod tests {
             let [mut first, mut second] = [PartManifolds::default(), PartManifolds::default()];
             let at = DVec3::new(0.4 + gap, 0.0, 0.0);
             let mut find = |b: &Placed, last: Option<(&Kept, &[KeptPoint])>, kept: &mut PartManifolds| {
-                collide_or_recycle([&a, b], (0, [0, 1]), (0.01, 1e-3, 1e-3), last, Way::default, (kept, &mut out))
+                again([&a, b], (0.01, 1e-3, 1e-3), last, (kept, &mut out))
             };
             assert_eq!(find(&place(at, across), None, &mut first), 1);
             let last = first.kept.first().map(|kept| (kept, &first.points[..]));

@@ -60,14 +60,30 @@ pub struct Way {
     pub step: f64,
 }
 
-impl Way {
-    /// The way of the second against the first as they move now, and with what gravity adds, m, at a place with a normal, along which turning
-    /// counts.
-    fn at(&self, shapes: [&Placed; 2], place: DVec3, normal: DVec3) -> [DVec3; 2] {
-        let [a, b] =
-            [0, 1].map(|k| self.velocity[k] + normal * normal.dot(self.spin[k].cross(place - shapes[k].position)));
-        let [fall_a, fall_b] = self.fall;
-        [(b - a) * self.step, (b - a + fall_b - fall_a) * self.step]
+/// The ways of the second of two shapes against the first, as they move now, and with what gravity adds, at places with a normal, along which turning
+/// counts.
+struct Ways {
+    normal: DVec3,
+    /// The ways of their centres, m.
+    of_centres: [DVec3; 2],
+    /// What these are along the normal, m.
+    along: [f64; 2],
+    /// Gradients, over the place, of what turning adds along the normal, and what that is at the origin, m.
+    of_turning: (DVec3, f64),
+}
+
+impl Ways {
+    fn new(way: &Way, shapes: [&Placed; 2], normal: DVec3) -> Ways {
+        let [(a, b), (fall_a, fall_b)] = [way.velocity, way.fall].map(|[a, b]| (a, b));
+        let of_centres = [b - a, b - a + fall_b - fall_a].map(|v| v * way.step);
+        let [a, b] = way.spin.map(|spin| normal.cross(spin) * way.step);
+        let at_origin = a.dot(shapes[0].position) - b.dot(shapes[1].position);
+        Ways { normal, of_centres, along: of_centres.map(|way| way.dot(normal)), of_turning: (b - a, at_origin) }
+    }
+
+    /// What turning adds along the normal at a place, m.
+    fn turned(&self, place: DVec3) -> f64 {
+        self.of_turning.0.dot(place) + self.of_turning.1
     }
 }
 
@@ -90,11 +106,17 @@ pub fn pass(
     let way = way();
     // What comes too near as it moves now; else as it falls.
     let mut worst = [(CLOSING * grazing, DVec3::ZERO, DVec3::ZERO); 2];
+    // Most points have one normal.
+    let mut ways = Ways::new(&way, [a, b], out[0].normal);
     for p in &out[..n] {
-        for (worst, way) in worst.iter_mut().zip(way.at([a, b], 0.5 * (p.on_first + p.on_second), p.normal)) {
-            let too_near = -way.dot(p.normal) - (p.gap - rest_gap).max(0.0);
+        if p.normal != ways.normal {
+            ways = Ways::new(&way, [a, b], p.normal);
+        }
+        let turned = ways.turned(0.5 * (p.on_first + p.on_second));
+        for (k, worst) in worst.iter_mut().enumerate() {
+            let too_near = -(ways.along[k] + turned) - (p.gap - rest_gap).max(0.0);
             if too_near > worst.0 {
-                *worst = (too_near, way, p.normal);
+                *worst = (too_near, ways.of_centres[k] + p.normal * turned, p.normal);
             }
         }
     }
