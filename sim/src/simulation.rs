@@ -88,8 +88,18 @@ impl From<Fault> for StepFault {
 impl Simulation {
     /// A simulation of a model from a state, on the CPU back end.
     pub fn new(model: Model, state: State) -> Simulation {
+        Simulation::on_cpu(model, state, Cpu::default())
+    }
+
+    /// A simulation with all contacts that a device makes.
+    #[cfg(test)]
+    pub(crate) fn with_all_contacts(model: Model, state: State) -> Simulation {
+        Simulation::on_cpu(model, state, Cpu::before_device())
+    }
+
+    fn on_cpu(model: Model, state: State, cpu: Cpu) -> Simulation {
         let (state, plan) = begin(&model, state);
-        let mut cpu = Box::new(Cpu::default());
+        let mut cpu = Box::new(cpu);
         cpu.prepare(&model, &state, &plan);
         Simulation { model, state, plan, engine: Engine::Cpu(cpu) }
     }
