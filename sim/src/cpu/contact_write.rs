@@ -129,7 +129,8 @@ struct Shapes<'a> {
     /// Where they are, or empty.
     placed: &'a [Placed<'a>],
     moving: &'a [Moving],
-    strikes: &'a Strikes,
+    /// What may be struck; none where pairs have all contacts within their margins.
+    strikes: Option<&'a Strikes>,
 }
 
 impl Shapes<'_> {
@@ -146,11 +147,11 @@ impl Shapes<'_> {
 
     /// The gap up to which two shapes of these bodies have contacts, and one that they have at least, m.
     fn reach(&self, near: &Near, shapes: [u32; 2], bodies: [u32; 2]) -> (f64, f64) {
-        if self.placed.is_empty() {
-            return (near.full as f64, f64::NEG_INFINITY);
-        }
-        let moving = shapes.map(|s| &self.moving[s as usize]);
-        (self.strikes.reach(near, bodies, moving) as f64, near.gap as f64)
+        let reach = match self.strikes {
+            Some(strikes) => strikes.reach(near, bodies, shapes.map(|s| &self.moving[s as usize])),
+            None => near.full,
+        };
+        (reach as f64, near.gap as f64)
     }
 }
 
@@ -286,7 +287,10 @@ fn find_and_write<A: Copy + Default + Send>(
 ) {
     let parts = &Part::all(pairs);
     let Touching { place, n, others, moving, strikes, manifolds } = touching;
-    strikes.begin(at.model, at.state, (at.are_all || placed.is_empty(), !pairs.spheres.is_empty()));
+    let strikes = (!at.are_all && !placed.is_empty()).then(|| {
+        strikes.begin(at.model, at.state, !pairs.spheres.is_empty());
+        &*strikes
+    });
     let shapes = &Shapes { placed, moving, strikes };
     manifolds.parts.resize_with(parts.len(), PartManifolds::default);
     others.resize_with(parts.len(), Others::default);
@@ -298,11 +302,14 @@ fn find_and_write<A: Copy + Default + Send>(
         *n = find(part.spheres(pairs), slots);
         others.look(at, shapes, k, part.others(pairs));
     });
-    let follow = || {
-        let each = (parts, &*others).into_par_iter().with_max_len(1);
-        each.map(|(part, others)| others.follow(at, shapes, part.others(pairs))).reduce(|| false, |a, b| a | b)
-    };
-    while strikes.are_any() && follow() {}
+    if let Some(strikes) = strikes.filter(|strikes| strikes.are_any()) {
+        let follow = || {
+            let each = (parts, &*others).into_par_iter().with_max_len(1);
+            let follow = each.map(|(part, others)| others.follow(at, (shapes, strikes), part.others(pairs)));
+            follow.reduce(|| false, |a, b| a | b)
+        };
+        while follow() {}
+    }
     let each = (parts, &mut *others, &mut manifolds.parts).into_par_iter().with_max_len(1);
     each.enumerate().for_each(|(k, (part, others, kept))| others.find(at, shapes, k, part.others(pairs), kept));
 
@@ -370,12 +377,13 @@ impl Others {
                 continue;
             }
             let (k, full) = (k as u32, at.margin[s as usize] + at.margin[t as usize]);
-            let (Some(a), Some(b)) = (shapes.placed.get(s as usize), shapes.placed.get(t as usize)) else {
+            let Some(strikes) = shapes.strikes else {
                 self.seen.push(Seen { near: Near::whole(k, full), manifold: Manifold::Unknown });
                 continue;
             };
+            let [a, b] = [s, t].map(|s| &shapes.placed[s as usize]);
             let moving = [s, t].map(|s| &shapes.moving[s as usize]);
-            let mut near = shapes.strikes.near(k, moving, (full, apart + full));
+            let mut near = strikes.near(k, moving, (full, apart + full));
             if !near.is_beyond() {
                 near.gap = near.gap.max(least_gap([a, b], moving, full));
             }
@@ -384,18 +392,18 @@ impl Others {
                 manifold = Manifold::find(at, (part, k), ([s, t], [a, b]), &mut found);
                 near.gap = near.gap.max(manifold.least_gap(at));
                 let bodies = [s, t].map(|s| at.model.shape_body[s as usize]);
-                shapes.strikes.look(at.state, &near, bodies, moving, manifold.overlap(at));
+                strikes.look(at.state, &near, bodies, moving, manifold.overlap(at));
             }
             self.seen.push(Seen { near, manifold });
         }
     }
 
     /// Let strikes follow each other, once more over the pairs. Returns whether any body may be struck earlier than was known.
-    fn follow(&self, at: &Input, shapes: &Shapes, pairs: &[[u32; 3]]) -> bool {
+    fn follow(&self, at: &Input, (shapes, strikes): (&Shapes, &Strikes), pairs: &[[u32; 3]]) -> bool {
         let follow = |seen: &Seen| {
             let [s, t, _] = pairs[seen.near.k as usize];
             let moving = [s, t].map(|s| &shapes.moving[s as usize]);
-            shapes.strikes.follow(at.state, &seen.near, [s, t].map(|s| at.model.shape_body[s as usize]), moving)
+            strikes.follow(at.state, &seen.near, [s, t].map(|s| at.model.shape_body[s as usize]), moving)
         };
         self.seen.iter().fold(false, |any, seen| follow(seen) | any)
     }
@@ -473,7 +481,7 @@ fn points(
         let (contacts, gap) = shapes.reach(&seen.near, ids, bodies);
         let look = reach.min(2.0 * model.envelope);
         let manifold = match seen.manifold {
-            // Without a manifold it is found anew once something is near.
+            // It has no points, and its manifold is let go: the next one begins without.
             Manifold::Unknown if gap > contacts => return 0,
             Manifold::Unknown => Manifold::find(at, (part, seen.near.k), (ids, [a, b]), found),
             known => known,

@@ -134,14 +134,12 @@ pub struct Strikes {
     horizon: f32,
     /// The gap within which pairs have contacts whatever they do, m.
     always: f32,
-    /// Whether pairs have all contacts within their margins.
-    are_all: bool,
 }
 
 impl Strikes {
     /// Begin a step. Of bodies that joints, springs or loads move, and of those of spheres, whose pairs among each other are not asked for, nothing is
     /// foreseen.
-    pub fn begin(&mut self, model: &Model, state: &State, (are_all, has_sphere_pairs): (bool, bool)) {
+    pub fn begin(&mut self, model: &Model, state: &State, has_sphere_pairs: bool) {
         let step = model.step as f32;
         let falls = model.gravity.length() as f32 * step * step;
         let restitution = model.laws.iter().fold(0.0, |most: f64, law| most.max(law.restitution));
@@ -151,7 +149,6 @@ impl Strikes {
         self.at_rest = 2.0 * model.envelope as f32;
         self.always = 2.0 * falls + model.solver.rest_gap as f32 + ALWAYS * self.at_rest;
         self.unforeseen = self.at_rest / (self.share * self.horizon);
-        self.are_all = are_all;
         for (column, none) in [(&mut self.time, f32::INFINITY), (&mut self.change, 0.0)] {
             column.clear();
             column.resize_with(model.n_bodies(), || AtomicU32::new(none.to_bits()));
@@ -193,9 +190,6 @@ impl Strikes {
     /// The pair `k` of two shapes with margins, whose sum is `full`, m, and a gap of at least `gap`, m. What is curved rolls, and touches with another
     /// point at each moment: such pairs have all contacts within the margins of rest.
     pub fn near(&self, k: u32, [a, b]: [&Moving; 2], (full, gap): (f32, f32)) -> Near {
-        if self.are_all {
-            return Near::whole(k, full);
-        }
         let always = if a.is_curved || b.is_curved { self.at_rest + self.always } else { self.always };
         let reach = always + self.horizon * a.approach(b);
         Near { k, full, gap, reach: reach.min(full) }
@@ -214,7 +208,7 @@ impl Strikes {
 
     /// Whether any body may be struck.
     pub fn are_any(&self) -> bool {
-        !self.are_all && self.time.iter().any(|time| f32::from_bits(time.load(Relaxed)) < self.horizon)
+        self.time.iter().any(|time| f32::from_bits(time.load(Relaxed)) < self.horizon)
     }
 
     /// Let a strike of a body of a pair follow that of the other: it is run into by what was struck, or runs into it. Returns whether this is news.
@@ -278,7 +272,7 @@ mod tests {
             .map(|s| Moving::of((model, state), s, &Placed::of(model, state.shape_pose(model, s), s), MARGIN))
             .collect();
         let mut strikes = Strikes::default();
-        strikes.begin(model, state, (false, false));
+        strikes.begin(model, state, false);
         let pair = |k: usize| ([k as u32, k as u32 + 1], [&moving[k], &moving[k + 1]]);
         let mut near = vec![Near::whole(0, 0.0); order.len()];
         for k in order.iter().copied() {

@@ -74,7 +74,7 @@ struct Ways {
 
 impl Ways {
     fn new(way: &Way, shapes: [&Placed; 2], normal: DVec3) -> Ways {
-        let [(a, b), (fall_a, fall_b)] = [way.velocity, way.fall].map(|[a, b]| (a, b));
+        let ([a, b], [fall_a, fall_b]) = (way.velocity, way.fall);
         let of_centres = [b - a, b - a + fall_b - fall_a].map(|v| v * way.step);
         let [a, b] = way.spin.map(|spin| normal.cross(spin) * way.step);
         let at_origin = a.dot(shapes[0].position) - b.dot(shapes[1].position);

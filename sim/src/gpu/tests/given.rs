@@ -40,7 +40,7 @@ loads:
 
 /// Run a model from a state by both back ends alone and in parts.
 fn hold(what: &str, (model, state): (&Model, &State), stages: &[Stage], least: usize) {
-    let mut cpu = Simulation::with_all_contacts(model.clone(), state.clone());
+    let mut cpu = Simulation::new(model.clone(), state.clone());
     let mut most = 0;
     for _ in 0..20 {
         most = most.max(cpu.step().contacts);
@@ -71,7 +71,7 @@ fn hold(what: &str, (model, state): (&Model, &State), stages: &[Stage], least: u
 fn stages_of_both_back_ends_make_the_steps_of_one() {
     let (mut model, state) = resolved(MIXED.into());
     model.solver = SolverSettings { sweep_landings: false, ..settings(Method::Apgd, 400, 1e-7) };
-    let mut before = Simulation::with_all_contacts(model.clone(), state);
+    let mut before = Simulation::new(model.clone(), state);
     (0..30).for_each(|_| drop(before.step()));
     let state = written(&before.state);
     hold("mixed, APGD", (&model, &state), &Stage::ALL, 10);
@@ -96,7 +96,7 @@ fn stages_of_both_back_ends_make_the_steps_on_surfaces() {
         layers(&model, &mut state, 40);
         for method in [Method::Apgd, Method::GaussSeidel] {
             model.solver = SolverSettings { sweep_landings: false, ..settings(method, 300, 1e-7) };
-            let mut before = Simulation::with_all_contacts(model.clone(), state.clone());
+            let mut before = Simulation::new(model.clone(), state.clone());
             (0..120).for_each(|_| drop(before.step()));
             // At a seam either of two triangles may have a contact, after which solids turn another way.
             let stages = &Stage::ALL[if shapes { 6 } else { 5 }..7];

@@ -21,7 +21,7 @@ pub fn resolved(text: String) -> (Model, State) {
 /// Step a model on both back ends; both in this order, none without a device.
 pub fn both(model: &Model, state: &State, n: usize) -> Option<[Simulation; 2]> {
     let mut own = on_device(model, state)?;
-    let mut cpu = Simulation::with_all_contacts(model.clone(), state.clone());
+    let mut cpu = Simulation::new(model.clone(), state.clone());
     for _ in 0..n {
         for simulation in [&mut own, &mut cpu] {
             let report = simulation.step();
@@ -299,7 +299,7 @@ fn repeats(method: Method) {
     steps(&mut first, 60);
     steps(&mut second, 30);
     let middle = written(&second.state);
-    let mut on_cpu = Simulation::with_all_contacts(model.clone(), middle.clone());
+    let mut on_cpu = Simulation::new(model.clone(), middle.clone());
     let mut second = second.restart(middle).unwrap();
     steps(&mut second, 30);
     let bits = |s: &State| -> Vec<u64> {

@@ -249,7 +249,7 @@ fn steps_of_hulls_are_those_of_the_cpu() {
     sim.model.solver =
         SolverSettings { method: Some(Method::Apgd), iterations, tolerance: 1e-6, ..sim.model.solver.clone() };
     let Some(mut own) = super::whole::on_device(&sim.model, &sim.state) else { return };
-    let mut cpu = Simulation::with_all_contacts(sim.model.clone(), sim.state.clone());
+    let mut cpu = Simulation::new(sim.model.clone(), sim.state.clone());
     let mut n_contacts = 0;
     for k in 0..60 {
         let (a, b) = (own.step(), cpu.step());
@@ -358,7 +358,7 @@ fn steps_of_boxes_are_those_of_the_cpu() {
         let tolerance = if method == Method::GaussSeidel { 1e-8 } else { 1e-6 };
         sim.model.solver = SolverSettings { method: Some(method), iterations, tolerance, ..sim.model.solver.clone() };
         let Some(mut own) = super::whole::on_device(&sim.model, &sim.state) else { return };
-        let mut cpu = Simulation::with_all_contacts(sim.model.clone(), sim.state.clone());
+        let mut cpu = Simulation::new(sim.model.clone(), sim.state.clone());
         let mut n_contacts = 0;
         for _ in 0..50 {
             let (a, b) = (own.step(), cpu.step());
@@ -403,11 +403,11 @@ fn repeats(method: Method) {
     sim.model.solver.method = Some(method);
     let Some(mut first) = super::whole::on_device(&sim.model, &sim.state) else { return };
     let mut second = super::whole::on_device(&sim.model, &sim.state).unwrap();
-    let mut cpu = Simulation::with_all_contacts(sim.model.clone(), sim.state);
+    let mut cpu = Simulation::new(sim.model.clone(), sim.state);
     super::whole::steps(&mut first, 60);
     super::whole::steps(&mut second, 30);
     let middle = super::whole::written(&second.state);
-    let mut on_cpu = Simulation::with_all_contacts(sim.model, middle.clone());
+    let mut on_cpu = Simulation::new(sim.model, middle.clone());
     let mut second = second.restart(middle).unwrap();
     super::whole::steps(&mut second, 30);
     let bits = |s: &State| -> Vec<u64> {
@@ -443,7 +443,7 @@ fn a_pyramid_begins_from_rest_as_on_the_cpu() {
     for start in [None, Some(2000)] {
         model.solver.start_iterations = start;
         let Some(mut own) = super::whole::on_device(&model, &state) else { return };
-        let mut cpu = Simulation::with_all_contacts(model.clone(), state.clone());
+        let mut cpu = Simulation::new(model.clone(), state.clone());
         let fastest = |s: &Simulation| s.state.velocity.iter().map(|v| v.length()).fold(0.0, f64::max);
         let impulse = |s: &Simulation| s.state.contacts.impulse.iter().map(|z| z.z.abs()).sum::<f64>();
         let first = [&mut own, &mut cpu].map(|s| s.step());
@@ -477,7 +477,7 @@ fn what_tumbles_does_so_as_on_the_cpu() {
     let mut sim = builder.simulation().unwrap();
     sim.state.angular_velocity[0] = DVec3::new(0.02, 10.0, 0.01);
     let Some(mut own) = super::whole::on_device(&sim.model, &sim.state) else { return };
-    let mut cpu = Simulation::with_all_contacts(sim.model, sim.state);
+    let mut cpu = Simulation::new(sim.model, sim.state);
     let energy = |s: &Simulation| s.state.kinetic_energy(&s.model);
     let spin = |s: &Simulation| -> f64 {
         (s.state.angular_velocity[0] * s.state.angular_velocity[0] / s.model.inv_inertia[0]).element_sum()
@@ -507,7 +507,7 @@ fn what_hardly_moves_stops_as_on_the_cpu() {
     (sim.model.gravity, sim.model.solver.rest_speed) = (DVec3::ZERO, 1e-4);
     sim.state.angular_velocity[0] = DVec3::new(2e-4, 0.0, -1e-4);
     let Some(mut own) = super::whole::on_device(&sim.model, &sim.state) else { return };
-    let (before, mut cpu) = (sim.state.velocity[2], Simulation::with_all_contacts(sim.model, sim.state));
+    let (before, mut cpu) = (sim.state.velocity[2], Simulation::new(sim.model, sim.state));
     super::whole::steps(&mut own, 3);
     super::whole::steps(&mut cpu, 3);
     for (own, cpu) in own.state.velocity.iter().zip(&cpu.state.velocity) {
@@ -537,7 +537,7 @@ fn what_is_slow_is_swept_on_as_on_the_cpu() {
         (model.step, model.solver) = (quality_step, SolverSettings { settling_tolerance, ..quality.clone() });
         state.velocity.iter_mut().skip(1).for_each(|v| v.x += speed);
         let mut simulation =
-            if is_own { super::whole::on_device(&model, &state)? } else { Simulation::with_all_contacts(model, state) };
+            if is_own { super::whole::on_device(&model, &state)? } else { Simulation::new(model, state) };
         let of_solve = |own: &Simulation| own.device_usage()?.dispatches.get("contact_solve").copied();
         let dispatches = |own: &Simulation| of_solve(own).unwrap_or(0);
         let before = dispatches(&simulation);
@@ -582,7 +582,7 @@ fn exact_friction_has_the_motion_of_the_cpu() {
         let solver = sim.model.solver.clone();
         sim.model.solver = SolverSettings { method: Some(method), iterations, friction, tolerance: 1e-6, ..solver };
         let Some(mut own) = super::whole::on_device(&sim.model, &sim.state) else { return };
-        let mut cpu = Simulation::with_all_contacts(sim.model.clone(), sim.state.clone());
+        let mut cpu = Simulation::new(sim.model.clone(), sim.state.clone());
         for _ in 0..150 {
             let (a, b) = (own.step(), cpu.step());
             assert!(a.broken.is_none() && b.broken.is_none(), "{a:?}");
