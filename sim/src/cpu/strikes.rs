@@ -17,9 +17,6 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 /// Time to which motion is foreseen, over the step: velocities change within it.
 const HORIZON: f32 = 1.25;
 
-/// Share of what a strike changes velocities by that is foreseen on top of how two shapes approach each other.
-const OWN: f32 = 0.5;
-
 /// Share of the margins of two shapes at rest within which they have contacts whatever they do.
 const ALWAYS: f32 = 0.1;
 
@@ -241,7 +238,7 @@ impl Strikes {
         }
         let [_, change] = Strikes::of(&self.change, bodies);
         let left = self.horizon - time;
-        (near.reach.max(self.always + a.speed(b) * left) + OWN * change * left).min(near.full)
+        (near.reach.max(self.always + a.speed(b) * left) + change * left).min(near.full)
     }
 }
 
