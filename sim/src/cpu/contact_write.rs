@@ -171,6 +171,8 @@ fn least_gap([a, b]: [&Placed; 2], [moving_a, moving_b]: [&Moving; 2], full: f32
 /// Another pair with overlapping margins.
 struct Seen {
     near: Near,
+    /// Its bodies, where strikes are asked for.
+    bodies: [u32; 2],
     manifold: Manifold,
 }
 
@@ -302,14 +304,7 @@ fn find_and_write<A: Copy + Default + Send>(
         *n = find(part.spheres(pairs), slots);
         others.look(at, shapes, k, part.others(pairs));
     });
-    if let Some(strikes) = strikes.filter(|strikes| strikes.are_any()) {
-        let follow = || {
-            let each = (parts, &*others).into_par_iter().with_max_len(1);
-            let follow = each.map(|(part, others)| others.follow(at, (shapes, strikes), part.others(pairs)));
-            follow.reduce(|| false, |a, b| a | b)
-        };
-        while follow() {}
-    }
+    follow_strikes(at, shapes, pairs, parts, others);
     let each = (parts, &mut *others, &mut manifolds.parts).into_par_iter().with_max_len(1);
     each.enumerate().for_each(|(k, (part, others, kept))| others.find(at, shapes, k, part.others(pairs), kept));
 
@@ -353,6 +348,18 @@ fn find_and_write<A: Copy + Default + Send>(
     );
 }
 
+/// Let strikes follow each other along the pairs, until there is no news of any body.
+fn follow_strikes(at: &Input, shapes: &Shapes, pairs: &Pairs, parts: &[Part], others: &[Others]) {
+    let Some(strikes) = shapes.strikes.filter(|strikes| strikes.are_any()) else { return };
+    for round in Strikes::LOOK + 1.. {
+        let each = (parts, others).into_par_iter().with_max_len(1);
+        let follow = each.map(|(part, others)| others.follow(at, (shapes, strikes), round, part.others(pairs)));
+        if !follow.reduce(|| false, |a, b| a | b) {
+            return;
+        }
+    }
+}
+
 /// Find which sphere pairs touch, as [`sphere_pairs::Find`] does, of spheres that have no column.
 fn find_spheres(pairs: &[[u32; 2]], sphere: impl Fn(u32) -> Sphere, place: &mut [u32]) -> usize {
     let mut n = 0;
@@ -378,7 +385,7 @@ impl Others {
             }
             let (k, full) = (k as u32, at.margin[s as usize] + at.margin[t as usize]);
             let Some(strikes) = shapes.strikes else {
-                self.seen.push(Seen { near: Near::whole(k, full), manifold: Manifold::Unknown });
+                self.seen.push(Seen { near: Near::whole(k, full), bodies: [0; 2], manifold: Manifold::Unknown });
                 continue;
             };
             let [a, b] = [s, t].map(|s| &shapes.placed[s as usize]);
@@ -387,25 +394,26 @@ impl Others {
             if !near.is_beyond() {
                 near.gap = near.gap.max(least_gap([a, b], moving, full));
             }
+            let bodies = [s, t].map(|s| at.model.shape_body[s as usize]);
             let mut manifold = Manifold::Unknown;
             if !near.is_beyond() {
                 manifold = Manifold::find(at, (part, k), ([s, t], [a, b]), &mut found);
                 near.gap = near.gap.max(manifold.least_gap(at));
-                let bodies = [s, t].map(|s| at.model.shape_body[s as usize]);
                 strikes.look(at.state, &near, bodies, moving, manifold.overlap(at));
             }
-            self.seen.push(Seen { near, manifold });
+            self.seen.push(Seen { near, bodies, manifold });
         }
     }
 
-    /// Let strikes follow each other, once more over the pairs. Returns whether any body may be struck earlier than was known.
-    fn follow(&self, at: &Input, (shapes, strikes): (&Shapes, &Strikes), pairs: &[[u32; 3]]) -> bool {
+    /// Let strikes follow each other, once more over the pairs. Returns whether there is news of any body.
+    fn follow(&self, at: &Input, (shapes, strikes): (&Shapes, &Strikes), round: u32, pairs: &[[u32; 3]]) -> bool {
         let follow = |seen: &Seen| {
             let [s, t, _] = pairs[seen.near.k as usize];
             let moving = [s, t].map(|s| &shapes.moving[s as usize]);
-            strikes.follow(at.state, &seen.near, [s, t].map(|s| at.model.shape_body[s as usize]), moving)
+            strikes.follow(at.state, round, &seen.near, seen.bodies, moving)
         };
-        self.seen.iter().fold(false, |any, seen| follow(seen) | any)
+        let with_news = self.seen.iter().filter(|seen| strikes.have_news(round, seen.bodies));
+        with_news.fold(false, |any, seen| follow(seen) | any)
     }
 
     /// Find which of the other pairs touch, and their points.

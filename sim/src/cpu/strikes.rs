@@ -119,6 +119,8 @@ pub struct Strikes {
     time: Vec<AtomicU32>,
     /// What strikes may change velocities by, m/s, likewise; infinite where nothing is known (n_bodies).
     change: Vec<AtomicU32>,
+    /// The round in which there was news of a body, or none (n_bodies): [`LOOK`](Strikes::LOOK), and those in which strikes follow each other.
+    news: Vec<AtomicU32>,
     /// Share of that which a body that is struck hands on.
     share: f32,
     /// The margins of two shapes at rest, m.
@@ -134,6 +136,9 @@ pub struct Strikes {
 }
 
 impl Strikes {
+    /// The round in which pairs are looked at; the next ones let strikes follow each other.
+    pub const LOOK: u32 = 1;
+
     /// Begin a step. Of bodies that joints, springs or loads move, and of those of spheres, whose pairs among each other are not asked for, nothing is
     /// foreseen.
     pub fn begin(&mut self, model: &Model, state: &State, has_sphere_pairs: bool) {
@@ -146,9 +151,10 @@ impl Strikes {
         self.at_rest = 2.0 * model.envelope as f32;
         self.always = 2.0 * falls + model.solver.rest_gap as f32 + ALWAYS * self.at_rest;
         self.unforeseen = self.at_rest / (self.share * self.horizon);
-        for (column, none) in [(&mut self.time, f32::INFINITY), (&mut self.change, 0.0)] {
+        let none = [(&mut self.time, f32::INFINITY.to_bits()), (&mut self.change, 0), (&mut self.news, 0)];
+        for (column, none) in none {
             column.clear();
-            column.resize_with(model.n_bodies(), || AtomicU32::new(none.to_bits()));
+            column.resize_with(model.n_bodies(), || AtomicU32::new(none));
         }
         let jointed = model.joints.iter().map(|joint| joint.bodies).chain(model.springs.iter().map(|s| s.bodies));
         let loaded = model.loads.iter().map(|load| load.body);
@@ -156,12 +162,12 @@ impl Strikes {
             .filter(|s| has_sphere_pairs && model.shape_kind[*s] == ShapeKind::Sphere)
             .map(|s| model.shape_body[s]);
         for body in jointed.flatten().chain(loaded).chain(spheres) {
-            self.strike(state, body, (0.0, f32::INFINITY));
+            self.strike(state, Strikes::LOOK, body, (0.0, f32::INFINITY));
         }
     }
 
-    /// Note that a body may be struck at a time, s, and its velocity change by so much, m/s. Returns whether that is news.
-    fn strike(&self, state: &State, body: u32, (time, change): (f32, f32)) -> bool {
+    /// Note in a round that a body may be struck at a time, s, and its velocity change by so much, m/s. Returns whether that is news.
+    fn strike(&self, state: &State, round: u32, body: u32, (time, change): (f32, f32)) -> bool {
         let (time, change) = (if self.bounces { 0 } else { time.to_bits() }, change.to_bits());
         let (own_time, own_change) = (&self.time[body as usize], &self.change[body as usize]);
         if !state.moves(body as usize) {
@@ -170,12 +176,16 @@ impl Strikes {
         // Most is known.
         let is_earlier = time < own_time.load(Relaxed) && time < own_time.fetch_min(time, Relaxed);
         let is_harder = change > own_change.load(Relaxed) && change > own_change.fetch_max(change, Relaxed);
-        is_earlier | is_harder
+        let is_news = is_earlier | is_harder;
+        if is_news {
+            self.news[body as usize].store(round, Relaxed);
+        }
+        is_news
     }
 
     /// [`strike`](Strikes::strike) two bodies.
-    fn strike_both(&self, state: &State, bodies: [u32; 2], (time, change): (f32, f32)) -> bool {
-        bodies.map(|body| self.strike(state, body, (time, change))).contains(&true)
+    fn strike_both(&self, state: &State, round: u32, bodies: [u32; 2], (time, change): (f32, f32)) -> bool {
+        bodies.map(|body| self.strike(state, round, body, (time, change))).contains(&true)
     }
 
     /// The lesser number of two bodies in a column first.
@@ -196,10 +206,10 @@ impl Strikes {
     pub fn look(&self, state: &State, near: &Near, bodies: [u32; 2], [a, b]: [&Moving; 2], overlap: f32) {
         let approach = a.approach(b);
         if near.gap <= near.reach && self.horizon * approach > self.always {
-            self.strike_both(state, bodies, (near.gap.max(0.0) / approach, 2.0 * self.share * approach));
+            self.strike_both(state, Strikes::LOOK, bodies, (near.gap.max(0.0) / approach, 2.0 * self.share * approach));
         }
         if overlap > self.always {
-            self.strike_both(state, bodies, (0.0, overlap / self.horizon));
+            self.strike_both(state, Strikes::LOOK, bodies, (0.0, overlap / self.horizon));
         }
     }
 
@@ -208,8 +218,15 @@ impl Strikes {
         self.time.iter().any(|time| f32::from_bits(time.load(Relaxed)) < self.horizon)
     }
 
-    /// Let a strike of a body of a pair follow that of the other: it is run into by what was struck, or runs into it. Returns whether this is news.
-    pub fn follow(&self, state: &State, near: &Near, bodies: [u32; 2], [a, b]: [&Moving; 2]) -> bool {
+    /// Whether there was news of one of two bodies in the round before this one, or in this one.
+    #[inline]
+    pub fn have_news(&self, round: u32, bodies: [u32; 2]) -> bool {
+        bodies.iter().any(|body| self.news[*body as usize].load(Relaxed) + 1 >= round)
+    }
+
+    /// Let a strike of a body of a pair follow that of the other: it is run into by what was struck, or runs into it. Returns whether this is news, which
+    /// it can only be where the bodies [have news](Strikes::have_news).
+    pub fn follow(&self, state: &State, round: u32, near: &Near, bodies: [u32; 2], [a, b]: [&Moving; 2]) -> bool {
         let [time, later] = Strikes::of(&self.time, bodies);
         if time >= self.horizon {
             return false;
@@ -220,14 +237,14 @@ impl Strikes {
         let change = if change < f32::INFINITY { change } else { self.unforeseen };
         let handed = self.share * change;
         let is_pushed = handed * self.horizon > self.always && gap <= self.always + change * left;
-        let is_news = is_pushed && self.strike_both(state, bodies, (after(change), handed));
+        let is_news = is_pushed && self.strike_both(state, round, bodies, (after(change), handed));
         if time >= later {
             return is_news;
         }
         let speed = a.speed(b);
         let way = speed * left;
         let runs_in = way > self.always && gap <= way;
-        is_news | (runs_in && self.strike_both(state, bodies, (after(speed), 0.0)))
+        is_news | (runs_in && self.strike_both(state, round, bodies, (after(speed), 0.0)))
     }
 
     /// The gap up to which a pair has contacts, m.
@@ -278,8 +295,18 @@ mod tests {
             near[k] = strikes.near(k as u32, moving, (2.0 * MARGIN, gap as f32));
             strikes.look(state, &near[k], bodies, moving, 0.0);
         }
-        let follow = |any, k: &usize| strikes.follow(state, &near[*k], pair(*k).0, pair(*k).1) | any;
-        while strikes.are_any() && order.iter().fold(false, follow) {}
+        let mut round = Strikes::LOOK;
+        let mut follow = || {
+            round += 1;
+            let follow = |k: usize| {
+                let (bodies, moving) = pair(k);
+                let is_news = strikes.follow(state, round, &near[k], bodies, moving);
+                assert!(strikes.have_news(round, bodies) || !is_news);
+                is_news
+            };
+            order.iter().fold(false, |any, k| follow(*k) | any)
+        };
+        while strikes.are_any() && follow() {}
         near.iter().map(|near| strikes.reach(near, pair(near.k as usize).0, pair(near.k as usize).1)).collect()
     }
 
