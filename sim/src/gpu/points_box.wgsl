@@ -1,6 +1,6 @@
 // Two boxes, by the separating axis theorem: the axis of minimum overlap is either a face's normal (then the other box's face is clipped to
-// it) or a cross product of edges (then the two edges' nearest points touch, and fast boxes have the points of their facing faces as well).
-// Boxes that are apart, and nearest elsewhere than in front of that face or where those edges cross, have their nearest points.
+// it) or a cross product of edges (then the two edges' nearest points touch; boxes that are fast, or whose faces are hardly inclined to each
+// other, have the points of these as well). Boxes that are apart, and nearest elsewhere than in front of that face or where those edges cross, have their nearest points.
 // Twin: cpu/collide/boxes.rs
 #import clip
 #import nearest
@@ -19,6 +19,8 @@ const CLEARLY: f32 = 1e-3;
 const FAST: f32 = 0.1;
 // The overlap of faces, over the least half length, beyond which boxes that meet at edges are pushed apart by these alone.
 const DEEP: f32 = 0.2;
+// The cosine of the angle between the normals of edges that cross and of a face from which on slower boxes may meet at their faces, too.
+const FACING: f32 = 0.985;
 // What the points of boxes that are apart may be farther from each other than the boxes along the axis, over the least half length.
 const NEAR: f32 = 1e-3;
 
@@ -87,17 +89,23 @@ fn solid_points(first: Placed, second: Placed, reach: f32) -> u32 {
         }
     }
     let is_crossing = edge > greatest + clearly;
+    let is_fast = reach > FAST * size;
+    var point = Point();
+    var has_faces = true;
+    if is_crossing {
+        point = edge_point(a, b, edge, edges);
+        has_faces = is_fast || dot(point.normal, face_normal_of(a, b, face_at)) >= FACING;
+    }
     var n = 0u;
-    if !is_crossing || reach > FAST * size {
+    if has_faces {
         n = face_points(a, b, face_at, reach);
     }
     // Nearest elsewhere than where the edges cross, or than in front of the face.
     var is_elsewhere = false;
     if is_crossing {
-        let point = edge_point(a, b, edge, edges);
         is_elsewhere = edge > 0.0 && distance(point.on_first, point.on_second) > edge + NEAR * size;
         if !is_elsewhere {
-            return with_edges(n, size, point);
+            return with_edges(n, select(min(edge, 0.0), -DEEP * size, is_fast), point);
         }
         corners[KEPT] = vec4(point.normal, edge);
     } else {
@@ -133,12 +141,12 @@ fn face_points(a: Placed, b: Placed, face_at: u32, reach: f32) -> u32 {
     return clip_either(box_face(a, normal, 0u), box_face(b, -normal, 1u), normal, reach, face_at >= 3u);
 }
 
-// The points of faces that are not deep, and that of crossing edges.
-fn with_edges(n: u32, size: f32, point: Point) -> u32 {
+// The points of faces with a gap above one, and that of crossing edges.
+fn with_edges(n: u32, least: f32, point: Point) -> u32 {
     var kept = 0u;
     for (var k = 0u; k < min(n, MAX_POINTS - 1u); k++) {
         found[kept] = found[k];
-        kept += select(0u, 1u, found[k].gap > -DEEP * size);
+        kept += select(0u, 1u, found[k].gap > least);
     }
     found[kept] = point;
     return kept + 1u;

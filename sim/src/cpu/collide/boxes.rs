@@ -1,6 +1,6 @@
 //! Two boxes, by the separating axis theorem: the axis of minimum overlap is either a face's normal (then the other box's face
-//! is clipped to it) or a cross product of edges (then the two edges' nearest points touch, and fast boxes have the points of their facing
-//! faces as well, by which they will meet next). Boxes that are apart, and nearest elsewhere than in front of that face or where those edges
+//! is clipped to it) or a cross product of edges (then the two edges' nearest points touch; boxes that are fast, or whose faces are hardly inclined
+//! to each other, have the points of these as well, by which they will meet next). Boxes that are apart, and nearest elsewhere than in front of that face or where those edges
 //! cross, have the nearest points of any two convex shapes.
 
 use super::convex::Axis;
@@ -107,6 +107,9 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Po
     /// The overlap of faces, over the least half length, beyond which boxes that meet at edges are pushed apart by these alone: that
     /// is the shorter way.
     const DEEP: f64 = 0.2;
+    /// The cosine of the angle between the normals of edges that cross and of a face from which on slower boxes may meet at their faces within the step,
+    /// too: these have those of their points that do not overlap, or no more than the edges.
+    const FACING: f64 = 0.985;
     /// What the points of boxes that are apart may be farther from each other than the boxes along the axis, over the least half length.
     const NEAR: f64 = 1e-3;
     let rotations = [&a.rotation, &b.rotation];
@@ -118,6 +121,7 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Po
         }
     };
     let size = a.size.min_element().min(b.size.min_element());
+    let is_fast = reach > FAST * size;
     let crossing = edge.map(|edge| edge_edge(a, b, rotations, edge));
     let normal = towards(face_axis(rotations, face.1), a, b);
     (axis.direction, axis.apart) = (normal, face.0);
@@ -126,7 +130,7 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Po
         if point.gap > 0.0 && point.on_first.distance(point.on_second) > point.gap + NEAR * size {
             return convex_convex(a, b, reach, axis, out);
         }
-        if reach <= FAST * size {
+        if !is_fast && point.normal.dot(normal) < FACING {
             out[0] = point;
             return 1;
         }
@@ -142,9 +146,10 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Po
     match crossing {
         Some(point) => {
             let mut kept = 0;
+            let least = if is_fast { -DEEP * size } else { point.gap.min(0.0) };
             for k in 0..n.min(MAX_POINTS - 1) {
                 out[kept] = out[k];
-                kept += (out[k].gap > -DEEP * size) as usize;
+                kept += (out[k].gap > least) as usize;
             }
             out[kept] = point;
             kept + 1
@@ -308,6 +313,40 @@ mod tests {
             let n = box_box(&a, &b, 1e-3, &mut axis, &mut out);
             assert!(n == 4 && out[..n].iter().all(|p| p.feature & OF_SECOND == 0), "{k}: {n} points");
         }
+    }
+
+    /// Boxes that are turned by half a degree against each other and meet at two edges: corners that the face below comes to next have points as well.
+    #[test]
+    fn boxes_that_meet_at_edges_have_the_corners_that_meet_next() {
+        const REACH: f64 = 5e-3;
+        let size = DVec3::splat(0.1);
+        let mut random = SplitMix64(7);
+        let mut met = 0;
+        for k in 0..20_000 {
+            let mut vector = |most: f64| DVec3::from([0; 3].map(|_| random.between(-most, most)));
+            let mut placed = |position: DVec3| {
+                let orientation = DQuat::from_scaled_axis(vector(1.0) * DVec3::Z + vector(0.01));
+                Placed::new(ShapeKind::Box, size, Pose { position: position + vector(0.05), orientation }, None)
+            };
+            let (a, b) = (placed(DVec3::ZERO), placed(DVec3::new(0.1, 0.0, 0.2)));
+            let (mut axis, mut out) = (Axis::default(), Points::default());
+            let n = box_box(&a, &b, REACH, &mut axis, &mut out);
+            let is_edge = |p: &Point| p.feature >> 16 == 1;
+            if n == 0 || !is_edge(&out[n - 1]) || out[n - 1].gap < 0.0 {
+                continue;
+            }
+            let top = a.rotation.z_axis;
+            for corner in (0..4).map(|k| DVec3::new([-0.1, 0.1][k & 1], [-0.1, 0.1][k >> 1], -0.1)) {
+                let corner = b.position + b.rotation * corner;
+                let (local, gap) = (a.local(corner - a.position), (corner - a.position).dot(top) - 0.1);
+                if local.x.abs().max(local.y.abs()) < 0.09 && gap > 1e-4 && gap < 0.8 * REACH {
+                    met += 1;
+                    let is_there = |p: &Point| p.on_first.distance(corner).min(p.on_second.distance(corner)) < REACH;
+                    assert!(out[..n].iter().any(is_there), "{k}: {:?}", &out[..n]);
+                }
+            }
+        }
+        assert!(met > 100, "{met}");
     }
 
     #[test]
