@@ -230,6 +230,7 @@ duration: 0.05
     let normal = resolved("quality: normal\n", &[]);
     assert!(normal.contains("quality: normal") && normal.contains("method: gauss_seidel"), "{normal}");
     assert_eq!(normal, resolved("", &["--quality", "normal"]));
+    assert_eq!(normal, resolved("quality: normal\nsolver: {method: gauss_seidel}\n", &[]));
     assert_ne!(normal, resolved("quality: normal\n", &["--quality", "tight"]));
     let two = ["simulate", &file, "-o", &run, "--quality", "tight", "--set", "quality=draft"];
     assert!(scree(&two).fails(2).contains("give one"));

@@ -132,12 +132,38 @@ fn window(line: &str, column: usize) -> (String, usize) {
     (shown.collect(), at - first)
 }
 
-/// The candidate nearest in spelling to `name`, if any is near enough for `name` to be a likely misspelling of it.
+/// The candidate nearest in spelling to `name`, if any is near enough for `name` to be a likely misspelling of it: one of the same words in another order
+/// (`torque_max`) comes first.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let own = name.to_lowercase();
+    let words = |text: &str| {
+        let mut words: Vec<String> = text.split(['_', '-', ' ', '.']).map(str::to_owned).collect();
+        words.sort();
+        words
+    };
+    let own_words = words(&own);
     candidates
         .into_iter()
-        .map(|c| (strsim::damerau_levenshtein(&name.to_lowercase(), &c.to_lowercase()), c))
+        .map(|c| {
+            let lower = c.to_lowercase();
+            let is_reordered = own_words.len() > 1 && words(&lower) == own_words;
+            (if is_reordered { 0 } else { strsim::damerau_levenshtein(&own, &lower) }, c)
+        })
         .filter(|(d, c)| *d <= 1 + name.len().max(c.len()) / 3)
         .min_by_key(|(d, _)| *d)
         .map(|(_, c)| c)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::nearest;
+
+    #[test]
+    fn words_in_another_order_are_nearest() {
+        let keys = ["torque", "max_force", "max_torque"];
+        for (name, expected) in [("torque_max", "max_torque"), ("toruqe", "torque"), ("max-force", "max_force")] {
+            assert_eq!(nearest(name, keys), Some(expected), "{name}");
+        }
+        assert_eq!(nearest("colour", keys), None);
+    }
 }

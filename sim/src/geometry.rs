@@ -28,11 +28,14 @@ impl Hull {
     /// The most corners of a face that contacts are made of, as in `gpu/clip.wgsl`.
     pub const MOST_CORNERS: usize = 16;
 
-    /// The convex hull of points, m, relative to its centroid, and the centroid. `None` if the points lie in a plane.
+    /// The convex hull of points, m, relative to its centroid, and the centroid. `None` if the points lie in a plane, or so nearly that faces merge.
     pub fn of_points(points: &[DVec3]) -> Option<(Hull, DVec3)> {
         let points = &distinct(points);
         let triangles = hull_triangles(points)?;
         let mut hull = merge_coplanar(points, &triangles);
+        if hull.faces.len() < 4 {
+            return None;
+        }
         let centre = solid(&hull.triangles().map(|t| t.map(|v| hull.vertices[v as usize])).collect::<Vec<_>>()).centre;
         hull.vertices.iter_mut().for_each(|v| *v -= centre);
         hull.radius = hull.vertices.iter().fold(0.0, |most, v| most.max(v.length()));
@@ -310,7 +313,10 @@ mod tests {
         let s = solid_of(ShapeKind::Hull, DVec3::ZERO, Some(&hull));
         assert!((s.volume - 1.0).abs() < 1e-12 && (s.inertia.x_axis.x - 1.0 / 6.0).abs() < 1e-12);
         assert!(Hull::of_points(&points[..2]).is_none());
-        assert!(Hull::of_points(&[DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::X + DVec3::Y]).is_none());
+        for height in [0.0, 1e-9] {
+            let fourth = DVec3::new(1.0, 1.0, height);
+            assert!(Hull::of_points(&[DVec3::ZERO, DVec3::X, DVec3::Y, fourth]).is_none(), "{height}");
+        }
     }
 
     #[test]

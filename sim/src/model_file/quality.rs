@@ -260,8 +260,8 @@ impl ModelFile {
         let (step, chosen) = quality.settings(&resolved.model, &resolved.state, given);
         let is_open = |key: &str| !doc.has(key);
         let own = &mut self.solver;
-        // What belongs to a method is that of the method that is given.
-        if is_open("solver.method") {
+        // What belongs to a method is chosen for the chosen one alone, whether it is given or not.
+        if is_open("solver.method") || own.method == chosen.method {
             own.method = chosen.method;
             let fill = |key: &str| is_open(&format!("solver.{key}"));
             own.iterations = if fill("iterations") { chosen.iterations } else { own.iterations };
