@@ -19,7 +19,8 @@ const CLEARLY: f32 = 1e-3;
 const FAST: f32 = 0.1;
 // The overlap of faces, over the least half length, beyond which boxes that meet at edges are pushed apart by these alone.
 const DEEP: f32 = 0.2;
-// The cosine of the angle between the normals of edges that cross and of a face from which on slower boxes may meet at their faces, too.
+// The cosine of the angle between the normals of edges that cross and of a face from which on slower boxes may meet at their faces, too, unless
+// these edges carry already.
 const FACING: f32 = 0.985;
 // What the points of boxes that are apart may be farther from each other than the boxes along the axis, over the least half length.
 const NEAR: f32 = 1e-3;
@@ -89,12 +90,12 @@ fn solid_points(first: Placed, second: Placed, reach: f32) -> u32 {
         }
     }
     let is_crossing = edge > greatest + clearly;
-    let is_fast = reach > FAST * size;
     var point = Point();
     var has_faces = true;
     if is_crossing {
         point = edge_point(a, b, edge, edges);
-        has_faces = is_fast || dot(point.normal, face_normal_of(a, b, face_at)) >= FACING;
+        let is_facing = dot(point.normal, face_normal_of(a, b, face_at)) >= FACING;
+        has_faces = reach > FAST * size || (edge > 0.0 && is_facing);
     }
     var n = 0u;
     if has_faces {
@@ -105,7 +106,7 @@ fn solid_points(first: Placed, second: Placed, reach: f32) -> u32 {
     if is_crossing {
         is_elsewhere = edge > 0.0 && distance(point.on_first, point.on_second) > edge + NEAR * size;
         if !is_elsewhere {
-            return with_edges(n, select(min(edge, 0.0), -DEEP * size, is_fast), point);
+            return with_edges(n, size, point);
         }
         corners[KEPT] = vec4(point.normal, edge);
     } else {
@@ -141,12 +142,12 @@ fn face_points(a: Placed, b: Placed, face_at: u32, reach: f32) -> u32 {
     return clip_either(box_face(a, normal, 0u), box_face(b, -normal, 1u), normal, reach, face_at >= 3u);
 }
 
-// The points of faces with a gap above one, and that of crossing edges.
-fn with_edges(n: u32, least: f32, point: Point) -> u32 {
+// The points of faces that are not deep, and that of crossing edges.
+fn with_edges(n: u32, size: f32, point: Point) -> u32 {
     var kept = 0u;
     for (var k = 0u; k < min(n, MAX_POINTS - 1u); k++) {
         found[kept] = found[k];
-        kept += select(0u, 1u, found[k].gap > least);
+        kept += select(0u, 1u, found[k].gap > -DEEP * size);
     }
     found[kept] = point;
     return kept + 1u;

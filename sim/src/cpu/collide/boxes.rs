@@ -108,7 +108,7 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Po
     /// is the shorter way.
     const DEEP: f64 = 0.2;
     /// The cosine of the angle between the normals of edges that cross and of a face from which on slower boxes may meet at their faces within the step,
-    /// too: these have those of their points that do not overlap, or no more than the edges.
+    /// too, unless these edges carry already.
     const FACING: f64 = 0.985;
     /// What the points of boxes that are apart may be farther from each other than the boxes along the axis, over the least half length.
     const NEAR: f64 = 1e-3;
@@ -121,7 +121,6 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Po
         }
     };
     let size = a.size.min_element().min(b.size.min_element());
-    let is_fast = reach > FAST * size;
     let crossing = edge.map(|edge| edge_edge(a, b, rotations, edge));
     let normal = towards(face_axis(rotations, face.1), a, b);
     (axis.direction, axis.apart) = (normal, face.0);
@@ -130,7 +129,8 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Po
         if point.gap > 0.0 && point.on_first.distance(point.on_second) > point.gap + NEAR * size {
             return convex_convex(a, b, reach, axis, out);
         }
-        if !is_fast && point.normal.dot(normal) < FACING {
+        let may_meet_at_faces = point.gap > 0.0 && point.normal.dot(normal) >= FACING;
+        if reach <= FAST * size && !may_meet_at_faces {
             out[0] = point;
             return 1;
         }
@@ -146,10 +146,9 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Po
     match crossing {
         Some(point) => {
             let mut kept = 0;
-            let least = if is_fast { -DEEP * size } else { point.gap.min(0.0) };
             for k in 0..n.min(MAX_POINTS - 1) {
                 out[kept] = out[k];
-                kept += (out[k].gap > least) as usize;
+                kept += (out[k].gap > -DEEP * size) as usize;
             }
             out[kept] = point;
             kept + 1
