@@ -1,7 +1,7 @@
-//! Two boxes, by the separating axis theorem: the axis of minimum overlap is either a face's normal (then the other box's face
-//! is clipped to it) or a cross product of edges (then the two edges' nearest points touch; boxes that are fast, or whose faces are hardly inclined
-//! to each other, have the points of these as well, by which they will meet next). Boxes that are apart, and nearest elsewhere than in front of that face or where those edges
-//! cross, have the nearest points of any two convex shapes.
+//! Two boxes, by the separating axis theorem: the axis of minimum overlap is either a face's normal (then the other box's face is clipped to it)
+//! or a cross product of edges (then the two edges' nearest points touch; boxes that are fast, or whose faces are hardly inclined to each other,
+//! have the points of these as well, by which they will meet next). Boxes that are apart, and nearest elsewhere than in front of that face or where
+//! those edges cross, have the nearest points of any two convex shapes.
 
 use super::convex::Axis;
 use super::manifold::{OF_SECOND, cut_id, feature_id};
@@ -107,8 +107,8 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Po
     /// The overlap of faces, over the least half length, beyond which boxes that meet at edges are pushed apart by these alone: that
     /// is the shorter way.
     const DEEP: f64 = 0.2;
-    /// The cosine of the angle between the normals of edges that cross and of a face from which on slower boxes may meet at their faces within the step,
-    /// too, unless these edges carry already.
+    /// The cosine of the angle between the normals of edges that cross and of a face from which on slower boxes, too, may meet at their faces
+    /// within the step, unless these edges carry already.
     const FACING: f64 = 0.985;
     /// What the points of boxes that are apart may be farther from each other than the boxes along the axis, over the least half length.
     const NEAR: f64 = 1e-3;
@@ -314,7 +314,7 @@ mod tests {
         }
     }
 
-    /// Boxes that are turned by half a degree against each other and meet at two edges: corners that the face below comes to next have points as well.
+    /// Boxes that are turned by half a degree against each other and meet at two edges: corners that the face below comes to next have points.
     #[test]
     fn boxes_that_meet_at_edges_have_the_corners_that_meet_next() {
         const REACH: f64 = 5e-3;
