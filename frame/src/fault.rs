@@ -135,12 +135,13 @@ fn window(line: &str, column: usize) -> (String, usize) {
 /// The candidate nearest in spelling to `name`, if any is near enough for `name` to be a likely misspelling of it: one of the same words in another order
 /// (`torque_max`) comes first.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let own = name.to_lowercase();
-    let words = |text: &str| {
-        let mut words: Vec<String> = text.split(['_', '-', ' ', '.']).map(str::to_owned).collect();
-        words.sort();
+    /// The words of a name, sorted.
+    fn words(name: &str) -> Vec<&str> {
+        let mut words: Vec<&str> = name.split(['_', '-', ' ', '.']).collect();
+        words.sort_unstable();
         words
-    };
+    }
+    let own = name.to_lowercase();
     let own_words = words(&own);
     candidates
         .into_iter()

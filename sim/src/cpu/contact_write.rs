@@ -126,7 +126,7 @@ impl Part {
 
 /// The shapes of a step.
 struct Shapes<'a> {
-    /// Where they are, or empty.
+    /// Where they are, and how they move, or both empty.
     placed: &'a [Placed<'a>],
     moving: &'a [Moving],
     /// What may be struck; none where pairs have all contacts within their margins.
@@ -145,10 +145,10 @@ impl Shapes<'_> {
         at.tight.get(s).copied().unwrap_or_else(|| bounds::tight(at.model, at.state, s, at.margin[s]))
     }
 
-    /// The gap up to which two shapes of these bodies have contacts, and one that they have at least, m.
-    fn reach(&self, near: &Near, shapes: [u32; 2], bodies: [u32; 2]) -> (f64, f64) {
+    /// The gap up to which two shapes have contacts, and one that they have at least, m.
+    fn reach(&self, Seen { near, bodies, .. }: &Seen, shapes: [u32; 2]) -> (f64, f64) {
         let reach = match self.strikes {
-            Some(strikes) => strikes.reach(near, bodies, shapes.map(|s| &self.moving[s as usize])),
+            Some(strikes) => strikes.reach(near, *bodies, shapes.map(|s| &self.moving[s as usize])),
             None => near.full,
         };
         (reach as f64, near.gap as f64)
@@ -171,7 +171,6 @@ fn least_gap([a, b]: [&Placed; 2], [moving_a, moving_b]: [&Moving; 2], full: f32
 /// Another pair with overlapping margins.
 struct Seen {
     near: Near,
-    /// Its bodies, where strikes are asked for.
     bodies: [u32; 2],
     manifold: Manifold,
 }
@@ -293,7 +292,7 @@ fn find_and_write<A: Copy + Default + Send>(
         strikes.begin(at.model, at.state, !pairs.spheres.is_empty());
         &*strikes
     });
-    let shapes = &Shapes { placed, moving, strikes };
+    let shapes = &Shapes { placed, moving: &moving[..placed.len()], strikes };
     manifolds.parts.resize_with(parts.len(), PartManifolds::default);
     others.resize_with(parts.len(), Others::default);
     n.resize(parts.len(), 0);
@@ -384,8 +383,9 @@ impl Others {
                 continue;
             }
             let (k, full) = (k as u32, at.margin[s as usize] + at.margin[t as usize]);
+            let bodies = [s, t].map(|s| at.model.shape_body[s as usize]);
             let Some(strikes) = shapes.strikes else {
-                self.seen.push(Seen { near: Near::whole(k, full), bodies: [0; 2], manifold: Manifold::Unknown });
+                self.seen.push(Seen { near: Near::whole(k, full), bodies, manifold: Manifold::Unknown });
                 continue;
             };
             let [a, b] = [s, t].map(|s| &shapes.placed[s as usize]);
@@ -394,7 +394,6 @@ impl Others {
             if !near.is_beyond() {
                 near.gap = near.gap.max(least_gap([a, b], moving, full));
             }
-            let bodies = [s, t].map(|s| at.model.shape_body[s as usize]);
             let mut manifold = Manifold::Unknown;
             if !near.is_beyond() {
                 manifold = Manifold::find(at, (part, k), ([s, t], [a, b]), &mut found);
@@ -472,13 +471,11 @@ fn points(
 ) -> usize {
     let (model, ids, s, t) = (at.model, [s, t], s as usize, t as usize);
     let reach = (at.margin[s] + at.margin[t]) as f64;
-    let bodies = ids.map(|s| model.shape_body[s as usize]);
     let way = || {
-        let of = |s: usize, placed: &Placed| match shapes.moving.get(s) {
-            Some(moving) if !shapes.placed.is_empty() => *moving,
-            _ => Moving::of((model, at.state), s, placed, 0.0),
+        let of = |s: usize, placed: &Placed| {
+            shapes.moving.get(s).copied().unwrap_or_else(|| Moving::of((model, at.state), s, placed, 0.0))
         };
-        Moving::way((model, at.state), bodies, [&of(s, a), &of(t, b)])
+        Moving::way((model, at.state), seen.bodies, [&of(s, a), &of(t, b)])
     };
     if let Some(surface) = surface_of(model, t) {
         collide_triangle(a, &Triangle::of(surface, triangle, b), reach, out)
@@ -486,15 +483,17 @@ fn points(
         let n = collide_triangle(b, &Triangle::of(surface, triangle, a), reach, out);
         swap_shapes(out, n)
     } else if keeps(a.kind) && keeps(b.kind) {
-        let (contacts, gap) = shapes.reach(&seen.near, ids, bodies);
+        let (contacts, gap) = shapes.reach(seen, ids);
         let look = reach.min(2.0 * model.envelope);
-        let manifold = match seen.manifold {
+        let (manifold, gap) = match seen.manifold {
             // It has no points, and its manifold is let go: the next one begins without.
             Manifold::Unknown if gap > contacts => return 0,
-            Manifold::Unknown => Manifold::find(at, (part, seen.near.k), (ids, [a, b]), found),
-            known => known,
+            Manifold::Unknown => {
+                let manifold = Manifold::find(at, (part, seen.near.k), (ids, [a, b]), found);
+                (manifold, gap.max(manifold.least_gap(at) as f64))
+            }
+            known => (known, gap),
         };
-        let gap = gap.max(manifold.least_gap(at) as f64);
         let last = if let Manifold::Of(last, moved) = manifold { Some((at.last.get(last), moved)) } else { None };
         let bounds = (Reach { contacts, look }, gap, model.recycle, model.solver.rest_gap);
         collide_or_recycle([a, b], (seen.near.k, ids), bounds, last, way, (kept, out))

@@ -1,6 +1,7 @@
 // Two boxes, by the separating axis theorem: the axis of minimum overlap is either a face's normal (then the other box's face is clipped to
 // it) or a cross product of edges (then the two edges' nearest points touch; boxes that are fast, or whose faces are hardly inclined to each
-// other, have the points of these as well). Boxes that are apart, and nearest elsewhere than in front of that face or where those edges cross, have their nearest points.
+// other, have the points of these as well). Boxes that are apart, and nearest elsewhere than in front of that face or where those edges cross,
+// have their nearest points.
 // Twin: cpu/collide/boxes.rs
 #import clip
 #import nearest
