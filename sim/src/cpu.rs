@@ -193,7 +193,7 @@ impl Cpu {
         };
         contact_write::run(&at, &self.pairs, &mut self.touching, &mut contacts);
         state.contacts = contacts;
-        state.manifolds = std::mem::replace(&mut self.touching.manifolds, manifolds);
+        state.manifolds = self.touching.take_manifolds(manifolds);
     }
 
     fn contact_solve(&mut self, model: &Model, plan: &StepPlan, state: &mut State) {

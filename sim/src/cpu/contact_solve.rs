@@ -102,6 +102,7 @@ impl Columns<'_> {
 #[derive(Default)]
 pub struct Workspace {
     gamma: Vec<DVec3>,
+    lifts: Vec<bool>,
     offset: Vec<f64>,
     offset_without_slip: Vec<f64>,
     last_slip: Vec<f64>,
@@ -370,16 +371,22 @@ impl Workspace {
         if !(plan.bounces || has_slip_feedback || has_rows || has_faces) {
             return false;
         }
+        // The shapes whose contacts lift.
+        self.lifts.resize(model.n_shapes(), false);
+        fill_rows(&mut self.lifts, |s| {
+            let body = model.shape_body[s];
+            let is_of_faces = model.shape_kind[s] != ShapeKind::Sphere && model.inv_mass[body as usize] > 0.0;
+            has_faces && is_of_faces || joints.hold(body)
+        });
+        let lifts = &self.lifts;
         offset.resize(n + limits.len(), 0.0);
         fill_rows(&mut offset[..n], |i| {
-            let of_face = |s: u32| {
-                let s = s as usize;
-                model.shape_kind[s] != ShapeKind::Sphere && model.inv_mass[model.shape_body[s] as usize] > 0.0
-            };
-            let is_lifted = has_faces && contacts.key[i][..2].iter().any(|s| of_face(*s))
-                || contacts.bodies[i].iter().any(|b| joints.hold(*b));
+            let [s, t, _] = contacts.key[i];
             let gap = contacts.gap[i];
-            let opening = if is_lifted { recovery.lifting_rate(gap) } else { recovery.rate(gap) };
+            let opening = match lifts[s as usize] || lifts[t as usize] {
+                true => recovery.lifting_rate(gap),
+                false => recovery.rate(gap),
+            };
             if !plan.bounces {
                 return opening;
             }

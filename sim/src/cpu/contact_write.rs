@@ -29,7 +29,7 @@ use super::collide::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
 use super::collide::{Triangle, collide, collide_triangle, pass, surface_of};
 use super::contact_rows::{Rows, along};
 use super::pair_write::Pairs;
-use super::recycle::{Last, Reach, collide_or_recycle, keeps, moved};
+use super::recycle::{Keeping, Last, Reach, collide_or_recycle, keeps, moved};
 use super::strikes::{Moving, Near, Strikes};
 use super::{bounds, sphere_pairs};
 use crate::aabb::Aabb;
@@ -79,8 +79,20 @@ pub struct Touching {
     strikes: Strikes,
     /// Other pairs that touch, by parts.
     others: Vec<Others>,
-    /// The manifolds that are kept for the next step.
-    pub manifolds: Manifolds,
+    /// The manifolds that are kept for the next step, of parts whose manifolds have changed.
+    manifolds: Manifolds,
+}
+
+impl Touching {
+    /// Take the manifolds that are kept for the next step; `last` are those of the last step, whose memory is kept.
+    pub fn take_manifolds(&mut self, mut last: Manifolds) -> Manifolds {
+        for (k, others) in self.others.iter().enumerate() {
+            if others.keeps_last {
+                std::mem::swap(&mut self.manifolds.parts[k], &mut last.parts[k]);
+            }
+        }
+        std::mem::replace(&mut self.manifolds, last)
+    }
 }
 
 /// Candidate pairs of a tile that one task collides.
@@ -95,8 +107,8 @@ struct Part {
 impl Part {
     /// The least number of pairs of a part, unless its tile has fewer, of other pairs and of pairs of spheres; and of parts, unless they would have
     /// fewer pairs.
-    const LEAST: [usize; 2] = [512, 4096];
-    const MANY: usize = 32;
+    const LEAST: [usize; 2] = [256, 4096];
+    const MANY: usize = 64;
 
     /// The parts of all tiles, in order.
     fn all(pairs: &Pairs) -> Vec<Part> {
@@ -224,6 +236,8 @@ struct Others {
     /// Index of each pair within the part, and the end of its points in `point`.
     touching: Vec<[u32; 2]>,
     point: Vec<Point>,
+    /// Whether their manifolds are all those of the last step, which are not copied.
+    keeps_last: bool,
 }
 
 /// The stage.
@@ -420,7 +434,7 @@ impl Others {
         let mut found = 0;
         self.touching.clear();
         self.point.clear();
-        kept.clear();
+        let mut keeping = Keeping::begin(kept, at.last.part(part));
         let place = |s: u32| Placed::of(at.model, at.state.shape_pose(at.model, s as usize), s as usize);
         let mut out = [Point::default(); MAX_POINTS];
         for seen in &self.seen {
@@ -433,12 +447,13 @@ impl Others {
                     [&own[0], &own[1]]
                 }
             };
-            let n = points(at, (seen, shapes, part), [s, t, triangle], both, (kept, &mut found), &mut out);
+            let n = points(at, (seen, shapes, part), [s, t, triangle], both, (&mut keeping, &mut found), &mut out);
             if n > 0 {
                 self.point.extend_from_slice(&out[..n]);
                 self.touching.push([seen.near.k, self.point.len() as u32]);
             }
         }
+        self.keeps_last = keeping.end();
     }
 
     /// Visit the contacts in order, each with the index of its pair, its two shapes as for [`Rows::put`], its key and its point; normals point from the first
@@ -466,7 +481,7 @@ fn points(
     (seen, shapes, part): (&Seen, &Shapes, usize),
     [s, t, triangle]: [u32; 3],
     [a, b]: [&Placed; 2],
-    (kept, found): (&mut PartManifolds, &mut usize),
+    (keeping, found): (&mut Keeping, &mut usize),
     out: &mut Points,
 ) -> usize {
     let (model, ids, s, t) = (at.model, [s, t], s as usize, t as usize);
@@ -496,7 +511,7 @@ fn points(
         };
         let last = if let Manifold::Of(last, moved) = manifold { Some((at.last.get(last), moved)) } else { None };
         let bounds = (Reach { contacts, look }, gap, model.recycle, model.solver.rest_gap);
-        collide_or_recycle([a, b], (seen.near.k, ids), bounds, last, way, (kept, out))
+        collide_or_recycle([a, b], (seen.near.k, ids), bounds, last, way, (keeping, out))
     } else {
         let n = collide(a, b, reach, out);
         let is_plane = [a, b].iter().any(|shape| shape.kind == ShapeKind::Plane);

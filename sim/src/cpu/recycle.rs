@@ -68,10 +68,76 @@ impl<'a> Last<'a> {
         (kept.get(*at)?.pair == pair).then_some([part as u32, *at as u32])
     }
 
+    /// The manifolds of a part.
+    pub fn part(&self, part: usize) -> &'a PartManifolds {
+        const NONE: &PartManifolds = &PartManifolds { kept: vec![], points: vec![] };
+        self.manifolds.parts.get(part).unwrap_or(NONE)
+    }
+
     /// A manifold, and its points.
     pub fn get(&self, [part, k]: [u32; 2]) -> (&'a Kept, &'a [KeptPoint]) {
         let of_part = &self.manifolds.parts[part as usize];
         (&of_part.kept[k as usize], of_part.points_of(k as usize))
+    }
+}
+
+/// The manifolds of a part of the candidate pairs while they are found, in the order of the pairs.
+pub struct Keeping<'a> {
+    kept: &'a mut PartManifolds,
+    /// The part's manifolds of the last step.
+    last: &'a PartManifolds,
+    /// How many of them, from the first on, are all that has been kept so far: they are copied once another manifold follows.
+    same: usize,
+}
+
+impl<'a> Keeping<'a> {
+    /// Begin in the memory of `kept`; `last` has the part's manifolds of the last step.
+    pub fn begin(kept: &'a mut PartManifolds, last: &'a PartManifolds) -> Keeping<'a> {
+        kept.clear();
+        Keeping { kept, last, same: 0 }
+    }
+
+    /// Keep a manifold of the last step, with its points, as that of the pair `pair`.
+    fn go_on(&mut self, (known, points): (&Kept, &[KeptPoint]), pair: u32) {
+        let is_next = |next: &Kept| std::ptr::eq(next, known) && known.pair == pair;
+        if self.kept.kept.is_empty() && self.last.kept.get(self.same).is_some_and(is_next) {
+            self.same += 1;
+            return;
+        }
+        self.copy();
+        self.kept.points.extend_from_slice(points);
+        self.kept.kept.push(Kept { pair, end: self.kept.points.len() as u32, ..*known });
+    }
+
+    /// Keep a point of the new manifold that follows.
+    fn push_point(&mut self, point: KeptPoint) {
+        self.copy();
+        self.kept.points.push(point);
+    }
+
+    /// Keep a new manifold, whose points have come before; its end is known here.
+    fn push(&mut self, manifold: Kept) {
+        self.copy();
+        self.kept.kept.push(Kept { end: self.kept.points.len() as u32, ..manifold });
+    }
+
+    /// Copy what is the same as in the last step.
+    fn copy(&mut self) {
+        if self.same > 0 {
+            let (same, end) = (&self.last.kept[..self.same], self.last.kept[self.same - 1].end);
+            self.kept.kept.extend_from_slice(same);
+            self.kept.points.extend_from_slice(&self.last.points[..end as usize]);
+            self.same = 0;
+        }
+    }
+
+    /// End. Returns whether the manifolds are all those of the last step, which are not copied.
+    pub fn end(mut self) -> bool {
+        let are_same = self.same > 0 && self.same == self.last.kept.len();
+        if !are_same {
+            self.copy();
+        }
+        are_same
     }
 }
 
@@ -107,14 +173,14 @@ pub fn collide_or_recycle(
     (reach, gap, slack, rest_gap): (Reach, f64, f64, f64),
     last: Option<((&Kept, &[KeptPoint]), f64)>,
     way: impl FnOnce() -> Way,
-    (kept, out): (&mut PartManifolds, &mut Points),
+    (keeping, out): (&mut Keeping, &mut Points),
 ) -> usize {
     let Reach { contacts: reach, look } = reach;
     let is_beyond = gap > reach;
     let holds = |kept: &Kept, moved: f64| moved <= kept.slack && reach + moved <= kept.reach;
-    if let Some(((known, points), _)) = last.filter(|((known, _), moved)| is_beyond || holds(known, *moved)) {
-        kept.points.extend_from_slice(points);
-        kept.kept.push(Kept { pair, end: kept.points.len() as u32, ..*known });
+    if let Some((known, _)) = last.filter(|((known, _), moved)| is_beyond || holds(known, *moved)) {
+        let (_, points) = known;
+        keeping.go_on(known, pair);
         return if is_beyond { 0 } else { carry([a, b], points, reach, out) };
     }
     if is_beyond {
@@ -122,11 +188,10 @@ pub fn collide_or_recycle(
     }
     let last = last.map(|(last, _)| last);
     let position = a.local(b.position - a.position);
-    let keep = |n: usize, kept: &mut PartManifolds, (axis, reach, gap, slack): (Axis, f64, f64, f64)| {
-        let (end, orientation) = (kept.points.len() as u32, (a.orientation.inverse() * b.orientation).normalize());
+    let manifold = |(axis, reach, gap, slack): (Axis, f64, f64, f64)| {
+        let orientation = (a.orientation.inverse() * b.orientation).normalize();
         let (corners, axis) = (axis.corners, a.local(axis.direction).normalize_or_zero());
-        kept.kept.push(Kept { pair, end, shapes, position, orientation, axis, corners, reach, gap, slack });
-        n
+        Kept { pair, end: 0, shapes, position, orientation, axis, corners, reach, gap, slack }
     };
     let mut axis = last.map_or(Axis::default(), |(known, _)| Axis {
         direction: a.rotation * known.axis,
@@ -136,7 +201,8 @@ pub fn collide_or_recycle(
     if last.is_some_and(|(_, points)| points.is_empty()) && axis.direction != DVec3::ZERO {
         axis.apart = separation(a, b, axis.direction);
         if axis.apart > reach {
-            return keep(0, kept, (axis, axis.apart, axis.apart, axis.apart));
+            keeping.push(manifold((axis, axis.apart, axis.apart, axis.apart)));
+            return 0;
         }
     }
     let farther = reach.max(look) * (1.0 + FARTHER);
@@ -155,7 +221,7 @@ pub fn collide_or_recycle(
         let on_first = held(a, a.local(p.on_first - a.position), normals[0]);
         let on_second = held(b, b.local(p.on_second - b.position), -normals[1]);
         let (normal, feature) = (normals[is_of_second as usize], p.feature);
-        kept.points.push(KeptPoint { on_first, on_second, normal, feature, is_of_second });
+        keeping.push_point(KeptPoint { on_first, on_second, normal, feature, is_of_second });
     }
     // Of what does not carry yet the points may be behind: it carries once the gap is closed.
     let slack = match face {
@@ -166,7 +232,7 @@ pub fn collide_or_recycle(
     };
     let until = if n == 0 { axis.apart.max(farther) } else { farther };
     let (least, slack) = if n == 0 { (until, until) } else { (least, slack) };
-    keep(n, kept, (axis, until, least, slack));
+    keeping.push(manifold((axis, until, least, slack)));
     let mut near = 0;
     for k in 0..n {
         out[near] = out[k];
@@ -241,7 +307,12 @@ mod tests {
     ) -> usize {
         let reach = Reach { contacts: reach, look: reach };
         let last = last.map(|last| (last, moved(both, last.0)));
-        collide_or_recycle(both, (0, [0, 1]), (reach, f64::NEG_INFINITY, slack, rest_gap), last, Way::default, out)
+        let none = PartManifolds::default();
+        let mut keeping = Keeping::begin(out.0, &none);
+        let bounds = (reach, f64::NEG_INFINITY, slack, rest_gap);
+        let n = collide_or_recycle(both, (0, [0, 1]), bounds, last, Way::default, (&mut keeping, out.1));
+        assert!(!keeping.end(), "without a last step all are copied");
+        n
     }
 
     #[test]
@@ -288,6 +359,36 @@ mod tests {
             assert!((least(&old) - least(&new)).abs() < bound, "{i}: {} {}", least(&old), least(&new));
         }
         assert!(carried > 1_000, "{carried}");
+    }
+
+    /// A row of boxes on a slab: what holds up to the first that has moved is copied, and nothing where all hold.
+    #[test]
+    fn manifolds_are_copied_from_the_first_that_changes_on() {
+        let placed = |size: DVec3, position: DVec3| {
+            Placed::new(ShapeKind::Box, size, Pose { position, orientation: DQuat::IDENTITY }, None)
+        };
+        let slab = placed(DVec3::new(10.0, 10.0, 0.5), DVec3::ZERO);
+        let find = |kept: &mut PartManifolds, last: &PartManifolds, lifts: [f64; 3]| {
+            let mut keeping = Keeping::begin(kept, last);
+            for (pair, lift) in (0..).zip(lifts) {
+                let block = placed(DVec3::splat(0.5), DVec3::new(2.0 * pair as f64, 0.0, 1.0 + lift));
+                let both = [&slab, &block];
+                let known = last.kept.get(pair as usize).map(|kept| (kept, last.points_of(pair as usize)));
+                let known = known.map(|known| (known, moved(both, known.0)));
+                let bounds = (Reach { contacts: 0.1, look: 0.1 }, f64::NEG_INFINITY, 1e-3, 0.0);
+                let out = &mut Points::default();
+                let n = collide_or_recycle(both, (pair, [0, 1]), bounds, known, Way::default, (&mut keeping, out));
+                assert_eq!(n, 4);
+            }
+            keeping.end()
+        };
+        let [mut first, mut second, mut third] = [const { PartManifolds { kept: vec![], points: vec![] } }; 3];
+        assert!(!find(&mut first, &PartManifolds::default(), [0.0; 3]));
+        assert!(find(&mut second, &first, [1e-4; 3]) && second.kept.is_empty());
+        assert!(!find(&mut third, &first, [0.0, 1e-2, 0.0]));
+        assert_eq!((third.kept.len(), third.points.len()), (3, 12));
+        let place = |part: &PartManifolds, k: usize| (part.kept[k].position, part.points_of(k)[0].on_second);
+        assert!([0, 2].iter().all(|k| place(&third, *k) == place(&first, *k)) && place(&third, 1) != place(&first, 1));
     }
 
     /// Small and long boxes in either order, that move and turn: they come no nearer than by what is taken for their motion.

@@ -217,11 +217,6 @@ impl BodyOperator<'_> {
         }
     }
 
-    /// Whether all bodies of a list move; an id after the last body's stands for none, which does not.
-    pub fn all_move(&self, bodies: &[u32]) -> bool {
-        bodies.iter().all(|b| self.masses.inv_mass.get(*b as usize).is_some_and(|inv_mass| *inv_mass > 0.0))
-    }
-
     /// The law of a contact.
     #[inline]
     pub fn law(&self, contact: usize) -> &ContactLaw {

@@ -8,6 +8,14 @@ pub struct Cells<'a, T> {
     entry: &'a [UnsafeCell<T>],
 }
 
+impl<T> Clone for Cells<'_, T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for Cells<'_, T> {}
+
 // SAFETY: entries are reached through `get` and `set` alone, whose callers promise that no other thread touches the entry.
 unsafe impl<T: Send> Sync for Cells<'_, T> {}
 

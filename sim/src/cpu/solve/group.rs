@@ -2,41 +2,41 @@
 
 use super::bodies::BodyOperator;
 use super::cells::Cells;
+use super::schedule::Blocks;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::{Double, Registers, Wide};
 use crate::lanes::{Lane3, Lanes, Plain, Real, project};
 use crate::twist::Twist;
 use glam::DVec3;
-use std::ops::Range;
 
 /// Blocks of one colour side by side in lanes.
 pub trait Group<T: Grouped<L>, const L: usize>: Copy + Send + Sync {
     /// Groups that are worth a task of a thread, some microseconds.
     const CHUNK: usize;
 
-    /// A group without blocks: its lanes refer to the motion after the last body's, which belongs to no body.
-    fn empty(n_bodies: usize) -> Self;
+    /// A group without blocks.
+    fn empty() -> Self;
 
-    /// Put the contacts of blocks into the lanes, at most one block each, with the impulses γ, for the exact law of friction or the relaxed.
-    fn fill(
-        &mut self,
-        op: &BodyOperator,
-        blocks: impl ExactSizeIterator<Item = Range<usize>> + Clone,
-        gamma: &[DVec3],
-        is_exact: bool,
-    );
+    /// What a contact has, rounded, in a cache line.
+    type Row: Copy + Default + Send + Sync;
+    /// What a body has, rounded, besides its motion.
+    type Body: Copy + Default + Send + Sync;
 
-    /// The motions of bodies A and B of the block in each lane; as [`Group::fill`] leaves them, the bodies.
+    /// The row of a contact.
+    fn row(from: &Source, contact: usize) -> Self::Row;
+
+    /// That of a body.
+    fn body(from: &Source, body: usize) -> Self::Body;
+
+    /// Put the contacts of blocks into the lanes, at most one block each, from the rows of all contacts and of the bodies by places.
+    fn fill<V: Lanes<T, L>>(&mut self, from: &Source, rows: (&[Self::Row], &[Self::Body]), own: &[u32]);
+
+    /// The motions of bodies A and B of the block in each lane.
     fn bodies(&self) -> &[[u32; 2]; L];
 
-    /// As [`Group::bodies`], to change.
-    fn bodies_mut(&mut self) -> &mut [[u32; 2]; L];
-
-    /// Impulse of contact `k` of the block in a lane.
-    fn gamma(&self, l: usize, k: usize) -> DVec3;
-
-    /// Angular impulse of contact `k` of the block in a lane, of groups whose contacts have one.
-    fn roll(&self, l: usize, k: usize) -> Option<DVec3>;
+    /// The impulses (3) and, of groups whose contacts have them, the angular impulses (3) of the first contact of each block, of the second, and
+    /// so on.
+    fn impulses<V: Lanes<T, L>>(&self, out: &mut [[[T; 8]; L]; Blocks::MOST]);
 
     /// Visit groups one after the other, with the action `ACT`; returns the sum of `|Δγ/η|²`, and the greatest speed at which a gap closed
     /// by more than its width when it was visited, m/s.
@@ -48,6 +48,36 @@ pub trait Group<T: Grouped<L>, const L: usize>: Copy + Send + Sync {
         motion: &Cells<Motion<T>>,
         omega: f64,
     ) -> [f64; 2];
+}
+
+/// What groups are filled from.
+pub struct Source<'a> {
+    /// The operator of the step.
+    pub op: &'a BodyOperator<'a>,
+    /// The blocks.
+    pub blocks: &'a Blocks,
+    /// The places of the motions of the bodies, and that of a motion that belongs to no body (n_bodies + 1).
+    pub place: &'a [u32],
+    /// The impulses γ.
+    pub gamma: &'a [DVec3],
+    /// Whether the law of friction is the exact one.
+    pub is_exact: bool,
+}
+
+impl Source<'_> {
+    /// The place of the motion that belongs to no body, which lanes without a block refer to.
+    #[inline(always)]
+    pub fn nowhere(&self) -> u32 {
+        self.place[self.place.len() - 1]
+    }
+
+    /// The places of the motions of two bodies, and whether both move.
+    #[inline(always)]
+    pub fn places(&self, bodies: [u32; 2]) -> ([u32; 2], bool) {
+        let [a, b] = bodies.map(|b| b as usize);
+        let inv_mass = &self.op.masses.inv_mass;
+        ([self.place[a], self.place[b]], inv_mass[a] > 0.0 && inv_mass[b] > 0.0)
+    }
 }
 
 /// The action of a visit on a contact.
@@ -117,47 +147,47 @@ impl Grouped<4> for f64 {
     type Plain = Plain<f64, 4>;
 }
 
-/// [`Group::visit`] with the widest lanes that the processor has.
+/// Work on lanes of blocks.
+pub trait Work<T: Grouped<L>, const L: usize> {
+    /// What comes of it.
+    type Out;
+
+    /// Do it; `#[inline(always)]`.
+    ///
+    /// # Safety
+    /// As the work tells.
+    unsafe fn run<V: Lanes<T, L>>(self) -> Self::Out;
+}
+
+/// Work with the widest lanes that the processor has.
 ///
 /// # Safety
-/// As there.
-pub unsafe fn visit<T: Grouped<L>, const L: usize, G: Group<T, L>, const ACT: u8>(
-    groups: &mut [G],
-    motion: &Cells<Motion<T>>,
-    omega: f64,
-) -> [f64; 2] {
+/// As [`Work::run`].
+pub unsafe fn widest<T: Grouped<L>, const L: usize, W: Work<T, L>>(work: W) -> W::Out {
     #[cfg(target_arch = "x86_64")]
     {
         #[target_feature(enable = "avx2")]
-        unsafe fn wide<T: Grouped<L>, const L: usize, G: Group<T, L>, const ACT: u8>(
-            groups: &mut [G],
-            motion: &Cells<Motion<T>>,
-            omega: f64,
-        ) -> [f64; 2] {
+        unsafe fn wide<T: Grouped<L>, const L: usize, W: Work<T, L>>(work: W) -> W::Out {
             crate::lanes::align_stack();
             // SAFETY: the caller's promise.
-            unsafe { G::visit::<ACT, T::Wide>(groups, motion, omega) }
+            unsafe { work.run::<T::Wide>() }
         }
         #[target_feature(enable = "avx512f,avx512vl")]
-        unsafe fn widest<T: Grouped<L>, const L: usize, G: Group<T, L>, const ACT: u8>(
-            groups: &mut [G],
-            motion: &Cells<Motion<T>>,
-            omega: f64,
-        ) -> [f64; 2] {
+        unsafe fn widest<T: Grouped<L>, const L: usize, W: Work<T, L>>(work: W) -> W::Out {
             crate::lanes::align_stack();
             // SAFETY: the caller's promise.
-            unsafe { G::visit::<ACT, T::Widest>(groups, motion, omega) }
+            unsafe { work.run::<T::Widest>() }
         }
         match crate::lanes::registers() {
             // SAFETY: the processor has AVX-512; the caller's promise.
-            Registers::Avx512 => return unsafe { widest::<T, L, G, ACT>(groups, motion, omega) },
+            Registers::Avx512 => return unsafe { widest(work) },
             // SAFETY: the processor has AVX2; the caller's promise.
-            Registers::Avx2 => return unsafe { wide::<T, L, G, ACT>(groups, motion, omega) },
+            Registers::Avx2 => return unsafe { wide(work) },
             Registers::Arrays => {}
         }
     }
     // SAFETY: the caller's promise.
-    unsafe { G::visit::<ACT, T::Plain>(groups, motion, omega) }
+    unsafe { work.run::<T::Plain>() }
 }
 
 /// The motions of bodies A and B of a group's blocks, as columns: of v (3), the reciprocal mass, ω (3), the reciprocal moment of inertia.
@@ -222,6 +252,30 @@ pub fn projected<T: Real, const L: usize, V: Lanes<T, L>>(
 pub fn faster<T: Real, const L: usize, V: Lanes<T, L>>(closing: V, opening: V) -> V {
     let own = V::splat(T::of(0.0)) - opening;
     closing.select_le(own, own, closing)
+}
+
+/// Store columns; not by a closure, which would be compiled without the registers.
+#[inline(always)]
+pub fn store<T: Real, const L: usize, V: Lanes<T, L>, const N: usize>(to: &mut [[T; L]; N], columns: [V; N]) {
+    for k in 0..N {
+        to[k] = columns[k].to_array();
+    }
+}
+
+/// Rows of impulses (3) and, where there are any, angular impulses (3), from their columns.
+#[inline(always)]
+pub fn impulse_rows<T: Real, const L: usize, V: Lanes<T, L>>(
+    gamma: &[[T; L]; 3],
+    roll: Option<&[[T; L]; 3]>,
+) -> [[T; 8]; L] {
+    let mut columns = [V::splat(T::default()); 8];
+    for k in 0..3 {
+        columns[k] = V::load(&gamma[k]);
+        if let Some(roll) = roll {
+            columns[3 + k] = V::load(&roll[k]);
+        }
+    }
+    V::rows(columns)
 }
 
 /// Sum of all lanes.

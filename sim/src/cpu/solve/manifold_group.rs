@@ -7,14 +7,12 @@
 //! are projected onto the disc that the normal's solution gives. The relaxed law: a step in the metric (a, b, b) times 1 + |k|/√(ab), which
 //! is an upper bound of N_ii, and in that metric the projection onto the cone, as for spheres (`sphere_group`).
 
-use super::bodies::BodyOperator;
 use super::cells::Cells;
-use super::group::{self, Group, Grouped, Motion, act, gather, projected, scatter};
+use super::group::{self, Group, Grouped, Motion, Source, act, gather, projected, scatter};
 use super::resistance::Resistance;
 use super::schedule::Blocks;
 use crate::lanes::{Lane3, Lanes, Real, cone};
-use glam::{DMat3, DVec3};
-use std::ops::Range;
+use glam::DMat3;
 
 /// A group of manifolds of one colour, in lanes; R is 1 where contacts roll with friction or stick, else 0.
 #[derive(Clone, Copy)]
@@ -38,7 +36,7 @@ struct Contact<T, const L: usize, const R: usize> {
     /// Arms on A and B, m.
     arms: [[[T; L]; 3]; 2],
     gamma: [[T; L]; 3],
-    /// The tangential part k of N n, 1/kg.
+    /// The tangential part k of N n, 1/kg, where the law of friction is the exact one.
     coupling: [[T; L]; 3],
     offset: [T; L],
     friction: [T; L],
@@ -70,24 +68,6 @@ impl<T: Real, const L: usize, const R: usize> Contact<T, L, R> {
         }
     }
 
-    fn put(&mut self, l: usize, op: &BodyOperator, i: usize, gamma: &[DVec3]) {
-        if let Some(resistance) = self.resistance.first_mut() {
-            resistance.put(l, op, i, gamma);
-        }
-        let c = op.contacts;
-        let (n, gamma) = (c.normal[i], gamma[i]);
-        let arms = c.arms(i);
-        for k in 0..3 {
-            self.normal[k][l] = T::of(n[k]);
-            self.gamma[k][l] = T::of(gamma[k]);
-            for side in 0..2 {
-                self.arms[side][k][l] = T::of(arms[side][k]);
-            }
-        }
-        self.offset[l] = T::of(op.offset(i));
-        self.friction[l] = T::of(op.law(i).friction);
-    }
-
     /// Project the impulses onto their cones, and evaluate what a visit needs of N_ii, for the sum of the reciprocal masses and the inverse
     /// inertia tensors of the bodies.
     #[inline(always)]
@@ -114,7 +94,9 @@ impl<T: Real, const L: usize, const R: usize> Contact<T, L, R> {
         let bound = if is_exact { one } else { one + (coupled / (a * b)).sqrt() };
         let lifted = (a + V::load(&self.friction) * coupled.sqrt()) * V::splat(T::of(2.0 / 3.0));
         let of_normal = if is_exact { lifted.select_le(a, a, lifted) } else { a };
-        self.coupling = [coupling.x.to_array(), coupling.y.to_array(), coupling.z.to_array()];
+        if is_exact {
+            self.coupling = [coupling.x.to_array(), coupling.y.to_array(), coupling.z.to_array()];
+        }
         self.along = (one / (bound * of_normal)).to_array();
         self.across = (one / (bound * b)).to_array();
         self.stretch = (b / a).sqrt().to_array();
@@ -167,9 +149,9 @@ impl<T: Real, const L: usize, const R: usize> Contact<T, L, R> {
 impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for ManifoldGroup<T, L, R> {
     const CHUNK: usize = 64 / L;
 
-    fn empty(n_bodies: usize) -> Self {
+    fn empty() -> Self {
         ManifoldGroup {
-            bodies: [[n_bodies as u32; 2]; L],
+            bodies: [[0; 2]; L],
             moves: false,
             is_exact: false,
             n_contacts: 0,
@@ -178,50 +160,82 @@ impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for ManifoldGrou
         }
     }
 
-    fn fill(
-        &mut self,
-        op: &BodyOperator,
-        blocks: impl ExactSizeIterator<Item = Range<usize>> + Clone,
-        gamma: &[DVec3],
-        is_exact: bool,
-    ) {
-        self.is_exact = is_exact;
-        let most = blocks.clone().map(|block| block.len()).max().unwrap_or(0);
-        if blocks.len() < L || blocks.clone().any(|block| block.len() < most) {
-            self.bodies = [[op.masses.inv_mass.len() as u32; 2]; L];
-            self.inv_inertia = [[[T::default(); L]; 6]; 2];
-            self.contacts[..most].fill(Contact::empty());
+    /// The normal, the impulse, the offset and the friction; the arms.
+    type Row = [[T; 8]; 2];
+    /// The inverse inertia tensor: xx, yy, zz, yz, xz, xy.
+    type Body = [T; 8];
+
+    #[inline(always)]
+    fn row(Source { op, gamma, .. }: &Source, i: usize) -> [[T; 8]; 2] {
+        let c = op.contacts;
+        let (n, g, [a, b]) = (c.normal[i], gamma[i], c.arms(i));
+        [
+            [n.x, n.y, n.z, g.x, g.y, g.z, op.offset(i), op.law(i).friction].map(T::of),
+            [a.x, a.y, a.z, b.x, b.y, b.z, 0.0, 0.0].map(T::of),
+        ]
+    }
+
+    #[inline(always)]
+    fn body(from: &Source, body: usize) -> [T; 8] {
+        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = from.op.masses.inv_inertia(body);
+        [x.x, y.y, z.z, y.z, x.z, x.y, 0.0, 0.0].map(T::of)
+    }
+
+    #[inline(always)]
+    fn fill<V: Lanes<T, L>>(&mut self, from: &Source, (rows, of_bodies): (&[Self::Row], &[[T; 8]]), own: &[u32]) {
+        let Source { op, blocks, gamma, is_exact, .. } = from;
+        let zero = T::default();
+        // Rows of the contacts and of the bodies, lane by lane; the columns are these transposed.
+        let (mut row, mut arms) = ([[[zero; 8]; L]; Blocks::MOST], [[[zero; 8]; L]; Blocks::MOST]);
+        let mut inv_inertia = [[[zero; 8]; L]; 2];
+        (self.is_exact, self.n_contacts, self.moves) = (*is_exact, 0, own.len() == L);
+        self.bodies = [[from.nowhere(); 2]; L];
+        if R > 0 {
+            self.contacts.iter_mut().for_each(|contact| contact.resistance = [Resistance::empty(); R]);
         }
-        self.n_contacts = most as u32;
-        for (l, block) in blocks.enumerate() {
-            self.bodies[l] = op.contacts.bodies[block.start];
-            for (side, body) in self.bodies[l].into_iter().enumerate() {
-                let DMat3 { x_axis: x, y_axis: y, z_axis: z } = op.masses.inv_inertia(body as usize);
-                for (k, entry) in [x.x, y.y, z.z, y.z, x.z, x.y].into_iter().enumerate() {
-                    self.inv_inertia[side][k][l] = T::of(entry);
+        for (l, block) in own.iter().enumerate() {
+            let contacts = blocks.contacts(*block);
+            self.n_contacts = self.n_contacts.max(contacts.len() as u32);
+            let bodies = op.contacts.bodies[contacts.start];
+            let (places, move_both) = from.places(bodies);
+            self.bodies[l] = places;
+            self.moves &= move_both;
+            for side in 0..2 {
+                inv_inertia[side][l] = of_bodies[places[side] as usize];
+            }
+            for (k, i) in contacts.enumerate() {
+                if let Some(resistance) = self.contacts[k].resistance.first_mut() {
+                    resistance.put(l, op, i, gamma);
                 }
-            }
-            for (contact, i) in self.contacts.iter_mut().zip(block) {
-                contact.put(l, op, i, gamma);
+                [row[k][l], arms[k][l]] = rows[i];
             }
         }
-        self.moves = op.all_move(self.bodies.as_flattened());
+        for side in 0..2 {
+            let [xx, yy, zz, yz, xz, xy, ..] = V::columns(&inv_inertia[side]);
+            group::store(&mut self.inv_inertia[side], [xx, yy, zz, yz, xz, xy]);
+        }
+        for k in 0..self.n_contacts as usize {
+            let contact = &mut self.contacts[k];
+            let [nx, ny, nz, gx, gy, gz, offset, friction] = V::columns(&row[k]);
+            group::store(&mut contact.normal, [nx, ny, nz]);
+            group::store(&mut contact.gamma, [gx, gy, gz]);
+            (contact.offset, contact.friction) = (offset.to_array(), friction.to_array());
+            let [ax, ay, az, bx, by, bz, ..] = V::columns(&arms[k]);
+            group::store(&mut contact.arms[0], [ax, ay, az]);
+            group::store(&mut contact.arms[1], [bx, by, bz]);
+        }
     }
 
     fn bodies(&self) -> &[[u32; 2]; L] {
         &self.bodies
     }
 
-    fn bodies_mut(&mut self) -> &mut [[u32; 2]; L] {
-        &mut self.bodies
-    }
-
-    fn gamma(&self, l: usize, k: usize) -> DVec3 {
-        DVec3::from_array(self.contacts[k].gamma.map(|x| x[l].wide()))
-    }
-
-    fn roll(&self, l: usize, k: usize) -> Option<DVec3> {
-        self.contacts[k].resistance.first().map(|r| DVec3::from_array(r.impulse.map(|x| x[l].wide())))
+    #[inline(always)]
+    fn impulses<V: Lanes<T, L>>(&self, out: &mut [[[T; 8]; L]; Blocks::MOST]) {
+        for (contact, out) in self.contacts[..self.n_contacts as usize].iter().zip(out) {
+            let roll = contact.resistance.first().map(|r| &r.impulse);
+            *out = group::impulse_rows::<T, L, V>(&contact.gamma, roll);
+        }
     }
 
     #[inline(always)]

@@ -1,15 +1,17 @@
 //! Blocks packed in groups, chunk by chunk: the columns that a sweep streams through, and the order in which threads visit them.
 //!
 //! A chunk is what one thread visits without a stop: groups of one colour of a tile, or all colours of a small tile. Where a round has
-//! many tiles, each thread takes whole tiles, whose bodies stay in its cache; where it has few, they go through the colours of all tiles
-//! together, chunk by chunk. Sums are those of the chunks in their order, whichever way it was.
+//! many tiles, each thread takes whole tiles, whose bodies stay in its cache, and where it has few, those of its share, unless shares would be
+//! so uneven that it takes less time to go through the colours of all tiles together, chunk by chunk. Sums are those of the chunks in their
+//! order, whichever way it was.
 
 use super::bodies::BodyOperator;
 use super::cells::Cells;
-use super::group::{self, Group, Grouped, Motion, act};
+use super::group::{self, Group, Grouped, Motion, Source, Work, act};
 use super::response::Response;
 use super::schedule::{Blocks, Colored, Tiled};
-use crate::rows::{CHUNK, cut, fill_rows};
+use crate::lanes::Lanes;
+use crate::rows::{CHUNK, fill_rows};
 use crate::settings::FrictionLaw;
 use crate::team::Team;
 use crate::twist::Twist;
@@ -18,7 +20,10 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// All blocks in groups, and the motions of the bodies.
-pub struct Packed<T, const L: usize, G> {
+pub struct Packed<T: Grouped<L>, const L: usize, G: Group<T, L>> {
+    /// The rows of all contacts, and of the bodies by places.
+    rows: Vec<G::Row>,
+    bodies: Vec<G::Body>,
     groups: Vec<G>,
     motion: Vec<Motion<T>>,
     chunks: Vec<Chunk>,
@@ -43,6 +48,8 @@ struct Round {
     tiles: Vec<Tile>,
     /// The chunks of the first colour of each tile, of the second, and so on; chunks that are a whole tile are with the first.
     phases: Vec<Vec<usize>>,
+    /// The tiles of each thread, where that is the shortest way.
+    shares: Vec<Vec<usize>>,
 }
 
 /// What is known of a tile.
@@ -78,9 +85,17 @@ impl Which {
     }
 }
 
-impl<T, const L: usize, G> Default for Packed<T, L, G> {
+impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Default for Packed<T, L, G> {
     fn default() -> Self {
-        Packed { groups: vec![], motion: vec![], chunks: vec![], visited: vec![], rounds: Default::default() }
+        Packed {
+            rows: vec![],
+            bodies: vec![],
+            groups: vec![],
+            motion: vec![],
+            chunks: vec![],
+            visited: vec![],
+            rounds: Default::default(),
+        }
     }
 }
 
@@ -97,9 +112,9 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
         if n <= G::CHUNK { n } else { n.div_ceil(2 * n.div_ceil(2 * G::CHUNK)) }
     }
 
-    /// Bytes of the groups.
+    /// Bytes of the groups, and of the rows of their contacts.
     pub fn size(&self) -> usize {
-        size_of_val(&self.groups[..])
+        size_of_val(&self.groups[..]) + size_of_val(&self.rows[..])
     }
 
     /// Pack the blocks with the impulses γ, project these onto their cones, and compute the motions of the bodies with them.
@@ -111,33 +126,38 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
         gamma: &[DVec3],
         is_exact: bool,
     ) {
-        let n_groups = self.lay_out(blocks, tiled);
-        let n_bodies = op.masses.inv_mass.len();
+        let n_groups = self.lay_out(team.n_threads(), blocks, tiled);
         if self.groups.len() < n_groups {
-            self.groups.resize(n_groups, G::empty(n_bodies));
+            self.groups.resize(n_groups, G::empty());
         }
-        let pack = |(chunk, groups): (&Chunk, &mut [G])| {
-            for (group, own) in groups.iter_mut().zip(chunk.blocks_by_groups::<L>(tiled)) {
-                group.fill(op, own.iter().map(|block| blocks.contacts(*block)), gamma, is_exact);
-                group.bodies_mut().as_flattened_mut().iter_mut().for_each(|b| *b = tiled.place[*b as usize]);
-            }
-        };
-        let groups = cut(&mut self.groups, self.chunks.iter().map(|chunk| chunk.groups.len()));
-        self.chunks.par_iter().zip(groups).for_each(pack);
+        let from = Source { op, blocks, place: &tiled.place, gamma, is_exact };
+        let (mut rows, mut bodies) = (std::mem::take(&mut self.rows), std::mem::take(&mut self.bodies));
+        rows.resize(op.contacts.len(), G::Row::default());
+        fill_rows(&mut rows, |i| G::row(&from, i));
         // Places without a body are at rest.
         self.motion.clear();
         self.motion.resize(tiled.n_places, Motion::default());
-        let (motion, masses) = (Cells::new(&mut self.motion), op.masses);
-        (0..n_bodies).into_par_iter().with_min_len(CHUNK).for_each(|b| {
-            let own = Motion::of(&op.free(b), masses.inv_mass[b], masses.inv_moment[b]);
+        bodies.resize(tiled.n_places, G::Body::default());
+        let (motion, own, masses) = (Cells::new(&mut self.motion), Cells::new(&mut bodies), op.masses);
+        (0..masses.inv_mass.len()).into_par_iter().with_min_len(CHUNK).for_each(|b| {
+            let place = tiled.place[b] as usize;
             // SAFETY: each body has a place of its own.
-            unsafe { motion.set(tiled.place[b] as usize, own) };
+            unsafe {
+                motion.set(place, Motion::of(&op.free(b), masses.inv_mass[b], masses.inv_moment[b]));
+                own.set(place, G::body(&from, b));
+            }
         });
-        self.visit::<{ act::APPLY }>(team, 1.0, Which::All);
+        self.each_chunk(team, Which::All, |chunk, groups, motion| {
+            let own = chunk.blocks_by_groups::<L>(tiled);
+            // SAFETY: the promise of `each_chunk`.
+            unsafe { group::widest(Pack { groups, own, from: &from, rows: (&rows[..], &bodies[..]), motion }) };
+            [0.0; 2]
+        });
+        (self.rows, self.bodies) = (rows, bodies);
     }
 
-    /// Lay the chunks of all tiles out; returns the number of groups.
-    fn lay_out(&mut self, blocks: &Blocks, tiled: &Tiled) -> usize {
+    /// Lay the chunks of all tiles out for so many threads; returns the number of groups.
+    fn lay_out(&mut self, n_threads: usize, blocks: &Blocks, tiled: &Tiled) -> usize {
         let Packed { chunks, rounds, .. } = self;
         let mut n_groups = 0;
         let mut take = |n_blocks: usize| {
@@ -178,6 +198,7 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
                 (*tile, blocks.clone().and_then(|own| tiles[*tile].blocks().get(own.start)))
             };
             own.phases.iter_mut().for_each(|phase| phase.sort_by_key(place));
+            own.share_out(chunks, n_threads, (Self::MANY * n_threads, G::CHUNK));
         }
         self.visited.clear();
         self.visited.resize(self.chunks.len(), [0.0; 2]);
@@ -239,26 +260,41 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
     }
 
     fn visit<const ACT: u8>(&mut self, team: &Team, omega: f64, which: Which) -> [f64; 2] {
-        let Packed { groups, motion, chunks, visited, rounds } = self;
+        // SAFETY: the promise of `each_chunk`.
+        self.each_chunk(team, which, |_, groups, motion| unsafe {
+            group::widest(Visit::<T, L, G, ACT> { groups, motion, omega })
+        })
+    }
+
+    /// Visit the chunks of some tiles, and those of the blocks in no tile. Sums what `visit` returns, the first numbers, and finds the greatest of the second.
+    /// No other thread touches the groups of a chunk, or the motions of its moving bodies, while it is visited.
+    fn each_chunk(
+        &mut self,
+        team: &Team,
+        which: Which,
+        visit: impl Fn(&Chunk, &mut [G], Cells<Motion<T>>) -> [f64; 2] + Sync,
+    ) -> [f64; 2] {
+        let Packed { groups, motion, chunks, visited, rounds, .. } = self;
         let (groups, motion, visited) = (Cells::new(groups), Cells::new(motion), Cells::new(visited));
         // Each chunk is visited by one task of a phase.
-        let visit = |chunk: usize| {
+        let visit = |k: usize| {
+            let chunk = &chunks[k];
             // SAFETY: chunks have no group in common, those of a phase no moving body.
-            unsafe {
-                let groups = groups.range(chunks[chunk].groups.clone());
-                visited.set(chunk, group::visit::<T, L, G, ACT>(groups, &motion, omega));
-            }
+            unsafe { visited.set(k, visit(chunk, groups.range(chunk.groups.clone()), motion)) };
         };
         let and = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a + c, b.max(d)];
         let mut all = [0.0; 2];
-        for (k, Round { tiles, phases }) in rounds.iter_mut().enumerate() {
+        for (k, Round { tiles, phases, shares }) in rounds.iter_mut().enumerate() {
             let has = |tile: &Tile| k == Self::LAST || which.has(tile);
-            if tiles.len() >= Self::MANY * team.n_threads() || team.n_threads() == 1 {
-                team.run(tiles.len(), &|tile| {
-                    if has(&tiles[tile]) {
-                        tiles[tile].chunks.clone().for_each(visit);
-                    }
-                });
+            let visit_tile = |tile: usize| {
+                if has(&tiles[tile]) {
+                    tiles[tile].chunks.clone().for_each(visit);
+                }
+            };
+            if !shares.is_empty() {
+                team.run(shares.len(), &|share| shares[share].iter().for_each(|tile| visit_tile(*tile)));
+            } else if tiles.len() >= Self::MANY * team.n_threads() || team.n_threads() == 1 {
+                team.run(tiles.len(), &visit_tile);
             } else {
                 for phase in phases.iter() {
                     team.run(phase.len(), &|k| {
@@ -286,21 +322,87 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
     pub fn unpack(&self, (blocks, tiled): (&Blocks, &Tiled), n_contacts: usize, gamma: &mut [DVec3]) {
         let rolls = gamma.len() > n_contacts;
         let gamma = Cells::new(gamma);
-        let put = |group: &G, (l, k): (usize, usize), i: usize| {
-            // SAFETY: each contact is in one block, and each chunk is one task's.
-            unsafe { gamma.set(i, group.gamma(l, k)) };
-            if let Some(roll) = group.roll(l, k).filter(|_| rolls) {
-                // SAFETY: as above.
-                unsafe { gamma.set(n_contacts + i, roll) };
-            }
-        };
         self.chunks.par_iter().for_each(|chunk| {
-            for (group, own) in self.groups[chunk.groups.clone()].iter().zip(chunk.blocks_by_groups::<L>(tiled)) {
-                for (l, block) in own.iter().enumerate() {
-                    blocks.contacts(*block).enumerate().for_each(|(k, i)| put(group, (l, k), i));
+            let (groups, own) = (&self.groups[chunk.groups.clone()], chunk.blocks_by_groups::<L>(tiled));
+            // SAFETY: each contact is in one block, and each chunk is one task's.
+            unsafe { group::widest(Unpack { groups, own, blocks, gamma, rolls_from: rolls.then_some(n_contacts) }) };
+        });
+    }
+}
+
+/// [`Group::visit`] with the action `ACT`, and its safety.
+struct Visit<'a, T, const L: usize, G, const ACT: u8> {
+    groups: &'a mut [G],
+    motion: Cells<'a, Motion<T>>,
+    omega: f64,
+}
+
+impl<T: Grouped<L>, const L: usize, G: Group<T, L>, const ACT: u8> Work<T, L> for Visit<'_, T, L, G, ACT> {
+    type Out = [f64; 2];
+
+    #[inline(always)]
+    unsafe fn run<V: Lanes<T, L>>(self) -> [f64; 2] {
+        // SAFETY: the caller's promise.
+        unsafe { G::visit::<ACT, V>(self.groups, &self.motion, self.omega) }
+    }
+}
+
+/// Fill groups, and visit them for the first time while they are at hand; as safe as [`Group::visit`].
+struct Pack<'a, T, G, R, B> {
+    groups: &'a mut [G],
+    /// The blocks of each group.
+    own: B,
+    from: &'a Source<'a>,
+    rows: R,
+    motion: Cells<'a, Motion<T>>,
+}
+
+impl<'a, T: Grouped<L>, const L: usize, G: Group<T, L>, B: Iterator<Item = &'a [u32]>> Work<T, L>
+    for Pack<'a, T, G, (&'a [G::Row], &'a [G::Body]), B>
+{
+    type Out = ();
+
+    #[inline(always)]
+    unsafe fn run<V: Lanes<T, L>>(self) {
+        for (group, own) in self.groups.iter_mut().zip(self.own) {
+            group.fill::<V>(self.from, self.rows, own);
+        }
+        // SAFETY: the caller's promise.
+        unsafe { G::visit::<{ act::APPLY }, V>(self.groups, &self.motion, 1.0) };
+    }
+}
+
+/// Read the impulses of groups back. No other thread touches those of their contacts.
+struct Unpack<'a, G, B> {
+    groups: &'a [G],
+    /// The blocks of each group.
+    own: B,
+    blocks: &'a Blocks,
+    gamma: Cells<'a, DVec3>,
+    /// First angular impulse, if there are any.
+    rolls_from: Option<usize>,
+}
+
+impl<'a, T: Grouped<L>, const L: usize, G: Group<T, L>, B: Iterator<Item = &'a [u32]>> Work<T, L> for Unpack<'a, G, B> {
+    type Out = ();
+
+    #[inline(always)]
+    unsafe fn run<V: Lanes<T, L>>(self) {
+        let mut row = [[[T::default(); 8]; L]; Blocks::MOST];
+        for (group, own) in self.groups.iter().zip(self.own) {
+            group.impulses::<V>(&mut row);
+            for (l, block) in own.iter().enumerate() {
+                for (k, i) in self.blocks.contacts(*block).enumerate() {
+                    let [x, y, z, u, v, w, ..] = row[k][l].map(T::wide);
+                    // SAFETY: the caller's promise.
+                    unsafe { self.gamma.set(i, DVec3::new(x, y, z)) };
+                    if let Some(first) = self.rolls_from {
+                        // SAFETY: as above.
+                        unsafe { self.gamma.set(first + i, DVec3::new(u, v, w)) };
+                    }
                 }
             }
-        });
+        }
     }
 }
 
@@ -311,6 +413,30 @@ impl Round {
             self.phases.resize_with(phase + 1, Vec::new);
         }
         &mut self.phases[phase]
+    }
+
+    /// Share the tiles out among threads where there are fewer than `many`, and the largest share takes less time than the phases, each of which begins
+    /// and ends together: about the time of `chunk` groups.
+    fn share_out(&mut self, chunks: &[Chunk], n_threads: usize, (many, chunk): (usize, usize)) {
+        self.shares.clear();
+        if n_threads == 1 || self.tiles.len() >= many {
+            return;
+        }
+        let n_groups = |own: &mut dyn Iterator<Item = usize>| own.map(|k| chunks[k].groups.len()).sum::<usize>();
+        let mut tiles: Vec<_> =
+            self.tiles.iter().enumerate().map(|(k, tile)| (n_groups(&mut tile.chunks.clone()), k)).collect();
+        tiles.sort_unstable_by(|a, b| b.cmp(a));
+        let mut loads = vec![0; n_threads];
+        self.shares.resize(n_threads, vec![]);
+        for (n, tile) in tiles {
+            let least = (0..n_threads).min_by_key(|k| loads[*k]).unwrap_or(0);
+            loads[least] += n;
+            self.shares[least].push(tile);
+        }
+        let of_phase = |phase: &Vec<usize>| n_groups(&mut phase.iter().copied()).div_ceil(n_threads) + chunk;
+        if loads.iter().max() > Some(&self.phases.iter().map(of_phase).sum()) {
+            self.shares.clear();
+        }
     }
 }
 

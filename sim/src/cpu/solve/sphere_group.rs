@@ -6,14 +6,12 @@
 //! of its own, and the tangents are projected onto the disc that its solution gives (Jourdan et al. 1998): no outer loop is needed.
 //! The response of a rolling block is a scalar, so that its problem is a projection too (`resistance`).
 
-use super::bodies::BodyOperator;
 use super::cells::Cells;
-use super::group::{self, Group, Grouped, Motion, act, gather, projected, scatter};
+use super::group::{self, Group, Grouped, Motion, Source, act, gather, projected, scatter};
 use super::resistance::Resistance;
+use super::schedule::Blocks;
 use crate::contacts::Arms;
 use crate::lanes::{Lane3, Lanes, cone};
-use glam::DVec3;
-use std::ops::Range;
 
 /// A group of contacts of one colour, in lanes; R is 1 where contacts roll with friction or stick, else 0.
 #[derive(Clone, Copy)]
@@ -33,9 +31,9 @@ pub struct SphereGroup<T, const L: usize, const R: usize> {
 impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for SphereGroup<T, L, R> {
     const CHUNK: usize = 256 / L;
 
-    fn empty(n_bodies: usize) -> Self {
+    fn empty() -> Self {
         SphereGroup {
-            bodies: [[n_bodies as u32; 2]; L],
+            bodies: [[0; 2]; L],
             moves: false,
             normal: [[T::default(); L]; 3],
             gamma: [[T::default(); L]; 3],
@@ -46,48 +44,52 @@ impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for SphereGroup<
         }
     }
 
-    fn fill(
-        &mut self,
-        op: &BodyOperator,
-        blocks: impl ExactSizeIterator<Item = Range<usize>> + Clone,
-        gamma: &[DVec3],
-        _: bool,
-    ) {
-        if blocks.len() < L {
-            *self = Self::empty(op.masses.inv_mass.len());
+    type Row = ();
+    type Body = ();
+
+    #[inline(always)]
+    fn row(_: &Source, _: usize) {}
+
+    #[inline(always)]
+    fn body(_: &Source, _: usize) {}
+
+    #[inline(always)]
+    fn fill<V: Lanes<T, L>>(&mut self, from: &Source, _: (&[()], &[()]), own: &[u32]) {
+        if own.len() < L {
+            *self = Self::empty();
         }
+        let Source { op, blocks, gamma, .. } = from;
         let c = op.contacts;
         let Arms::Along(reach) = &c.arms else { unreachable!("spheres' arms lie along the normals") };
-        for (l, block) in blocks.enumerate() {
-            let i = block.start;
+        // Rows of the contacts, lane by lane; the columns are these transposed.
+        let mut row = [[T::default(); 8]; L];
+        self.bodies = [[from.nowhere(); 2]; L];
+        self.moves = own.len() == L;
+        for (l, block) in own.iter().enumerate() {
+            let i = blocks.contacts(*block).start;
             if let Some(resistance) = self.resistance.first_mut() {
                 resistance.put(l, op, i, gamma);
             }
-            self.bodies[l] = c.bodies[i];
-            for k in 0..3 {
-                (self.normal[k][l], self.gamma[k][l]) = (T::of(c.normal[i][k]), T::of(gamma[i][k]));
-            }
-            (self.reach[0][l], self.reach[1][l]) = (T::of(reach[i][0]), T::of(reach[i][1]));
-            self.offset[l] = T::of(op.offset(i));
-            self.friction[l] = T::of(op.law(i).friction);
+            let (places, move_both) = from.places(c.bodies[i]);
+            self.bodies[l] = places;
+            self.moves &= move_both;
+            let (n, g, [reach_a, reach_b]) = (c.normal[i], gamma[i], reach[i]);
+            row[l] = [n.x, n.y, n.z, g.x, g.y, g.z, reach_a, reach_b].map(T::of);
+            (self.offset[l], self.friction[l]) = (T::of(op.offset(i)), T::of(op.law(i).friction));
         }
-        self.moves = op.all_move(self.bodies.as_flattened());
+        let [nx, ny, nz, gx, gy, gz, reach_a, reach_b] = V::columns(&row);
+        group::store(&mut self.normal, [nx, ny, nz]);
+        group::store(&mut self.gamma, [gx, gy, gz]);
+        group::store(&mut self.reach, [reach_a, reach_b]);
     }
 
     fn bodies(&self) -> &[[u32; 2]; L] {
         &self.bodies
     }
 
-    fn bodies_mut(&mut self) -> &mut [[u32; 2]; L] {
-        &mut self.bodies
-    }
-
-    fn gamma(&self, l: usize, _: usize) -> DVec3 {
-        DVec3::from_array(self.gamma.map(|x| x[l].wide()))
-    }
-
-    fn roll(&self, l: usize, _: usize) -> Option<DVec3> {
-        self.resistance.first().map(|r| DVec3::from_array(r.impulse.map(|x| x[l].wide())))
+    #[inline(always)]
+    fn impulses<V: Lanes<T, L>>(&self, out: &mut [[[T; 8]; L]; Blocks::MOST]) {
+        out[0] = group::impulse_rows::<T, L, V>(&self.gamma, self.resistance.first().map(|r| &r.impulse));
     }
 
     #[inline(always)]

@@ -93,12 +93,18 @@ pub fn run(
 }
 
 /// The packed blocks in single and in double precision.
-struct Precisions<const L: usize, C, F> {
+struct Precisions<const L: usize, C: Group<f32, L>, F: Group<f64, 4>>
+where
+    f32: Grouped<L>,
+{
     coarse: Packed<f32, L, C>,
     fine: Packed<f64, 4, F>,
 }
 
-impl<const L: usize, C, F> Default for Precisions<L, C, F> {
+impl<const L: usize, C: Group<f32, L>, F: Group<f64, 4>> Default for Precisions<L, C, F>
+where
+    f32: Grouped<L>,
+{
     fn default() -> Self {
         Precisions { coarse: Packed::default(), fine: Packed::default() }
     }
