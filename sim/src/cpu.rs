@@ -95,7 +95,7 @@ impl Backend for Cpu {
                 self.bins = Bins::default();
             }
             Stage::ContactWrite => self.contact_write(model, plan, state),
-            Stage::WarmStart => warm_start::run(plan, model.n_shapes(), &mut self.last, &mut state.contacts),
+            Stage::WarmStart => warm_start::run(plan, &mut self.last, &mut state.contacts),
             Stage::Force => force::run(model, plan, state, &mut self.masses, &mut self.free),
             Stage::JointWrite => {
                 let out = joint_write::Output {
@@ -179,8 +179,10 @@ impl Cpu {
 
     fn contact_write(&mut self, model: &Model, plan: &StepPlan, state: &mut State) {
         let mut contacts = std::mem::take(&mut state.contacts);
-        self.last.take(&mut contacts, self.pairs_hold);
         let manifolds = std::mem::take(&mut state.manifolds);
+        let (n_shapes, pairs_hold) = (model.n_shapes(), self.pairs_hold);
+        let take = || self.last.take(&mut contacts, n_shapes, pairs_hold);
+        let ((), last) = rayon::join(take, || recycle::Last::new(&manifolds, n_shapes, pairs_hold));
         let at = contact_write::Input {
             model,
             plan,
@@ -188,7 +190,7 @@ impl Cpu {
             margin: &self.margin,
             tight: &self.tight_aabb,
             spheres: &self.spheres,
-            last: recycle::Last::new(&manifolds, model.n_shapes(), self.pairs_hold),
+            last,
             are_all: self.has_all_contacts || plan.coheres,
         };
         contact_write::run(&at, &self.pairs, &mut self.touching, &mut contacts);

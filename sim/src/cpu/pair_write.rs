@@ -230,9 +230,13 @@ pub fn run(model: &Model, state: &State, bins: &Bins, pairs: &mut Pairs) {
         crossing.par_extend(rows);
     }
 
-    assign(model, &tile, &bricks, &crossing.concat(), (&mut found_in, &mut first_part));
-    pairs.take(found_in, &first_part, bricks.len());
-    pairs.n_places = places_of(input, &tile, &mut pairs.place);
+    let mut place = std::mem::take(&mut pairs.place);
+    let take = || {
+        assign(model, &tile, &bricks, &crossing.concat(), (&mut found_in, &mut first_part));
+        pairs.take(found_in, &first_part, bricks.len());
+    };
+    let ((), n_places) = rayon::join(take, || places_of(input, &tile, &mut place));
+    (pairs.place, pairs.n_places) = (place, n_places);
 }
 
 /// Places of the bodies in the order of their bins: those of a tile are neighbours, and share no cache line with those of another. Returns the

@@ -16,7 +16,7 @@
 //! new contact of the same two shapes, or the nearest one at all, so that no force between two shapes is lost while they touch.
 
 use super::by_shape::ByShape;
-use crate::contacts::{Arms, Contacts, NO_PAIR, OTHER, Tiles};
+use crate::contacts::{Arms, Contacts, NO_PAIR, OTHER};
 use crate::plan::StepPlan;
 use crate::rows::{SERIAL_LIMIT, cut, fill_rows};
 use glam::{DVec3, Vec3};
@@ -37,15 +37,20 @@ pub struct Last {
     /// The contacts' pairs within their tiles, and the first contact of each tile.
     pair: Vec<u32>,
     start: Vec<u32>,
+    /// The runs of contacts of the same two shapes, by these, where the pairs do not hold.
+    runs: ByShape<[u32; 2]>,
 }
 
 /// The match of a contact that was not in the last step.
 const NEW: u32 = u32::MAX;
 
+/// Contacts that one task matches, but for those of the last two shapes.
+const PART: usize = 1024;
+
 impl Last {
-    /// Take the contacts of the last step, before those of this step are written; `pairs_hold` asserts that the candidate pairs are the
-    /// same.
-    pub fn take(&mut self, contacts: &mut Contacts, pairs_hold: bool) {
+    /// Take the contacts of the last step, before those of this step are written, of a model with so many shapes; `pairs_hold` asserts that the
+    /// candidate pairs are the same.
+    pub fn take(&mut self, contacts: &mut Contacts, n_shapes: usize, pairs_hold: bool) {
         // Contacts that were read from a file, or from a device, do not know their pairs.
         self.pairs_hold = pairs_hold && contacts.pair.last() != Some(&NO_PAIR);
         std::mem::swap(&mut self.start, &mut contacts.tiles.start);
@@ -64,6 +69,7 @@ impl Last {
         fill_rows(&mut self.impulse, |i| contacts.impulse[i].as_vec3());
         self.rolling_impulse.resize(contacts.rolling_impulse.len(), Vec3::ZERO);
         fill_rows(&mut self.rolling_impulse, |i| contacts.rolling_impulse[i].as_vec3());
+        self.runs = if self.pairs_hold { ByShape::default() } else { Last::runs(&self.key, n_shapes) };
     }
 
     /// The end of the contacts from `first` on, up to `end`, that are of the same two shapes.
@@ -71,10 +77,16 @@ impl Last {
         (first + 1..end).find(|i| key[*i][..2] != key[first][..2]).unwrap_or(end)
     }
 
-    /// Match the contacts of a tile along the pairs, which hold; `last` has the tile's contacts of the last step.
+    /// Match contacts of a tile along the pairs, which hold; `last` has the tile's contacts of the last step.
     fn match_along(&self, contacts: &Contacts, last: Range<usize>, out: &mut Matches) {
         let (pair, known) = (&contacts.pair, &self.pair[..last.end]);
-        let mut at = last.start;
+        // The first that may be of the first pair, or of its shapes.
+        let begin = out.now.start;
+        let mut at = last.start + known[last.start..].partition_point(|known| *known < pair[begin]);
+        let is_of_shapes = |at: usize| known[at] >= OTHER && self.key[at][..2] == contacts.key[begin][..2];
+        while at > last.start && pair[begin] >= OTHER && is_of_shapes(at - 1) {
+            at -= 1;
+        }
         let n_spheres = pair[out.now.clone()].partition_point(|pair| *pair < OTHER);
         for k in 0..n_spheres {
             let pair = pair[out.now.start + k];
@@ -102,13 +114,13 @@ impl Last {
         }
     }
 
-    /// Match the contacts of a tile by their shapes; `known` has the runs of the last step's.
-    fn match_by_shapes(&self, contacts: &Contacts, known: &ByShape<[u32; 2]>, out: &mut Matches) {
+    /// Match contacts by their shapes.
+    fn match_by_shapes(&self, contacts: &Contacts, out: &mut Matches) {
         let mut i = out.now.start;
         while i < out.now.end {
             let run = i..Last::run_end(&contacts.key, i, out.now.end);
             let [s, t, _] = contacts.key[i];
-            for [first, end] in known.find([s, t]) {
+            for [first, end] in self.runs.find([s, t]) {
                 self.match_run(contacts, run.clone(), *first as usize..*end as usize, out);
             }
             i = run.end;
@@ -143,43 +155,55 @@ impl Last {
         }
     }
 
-    /// The runs of contacts of the same two shapes, by these.
-    fn runs(&self, n_shapes: usize) -> ByShape<[u32; 2]> {
+    /// The runs of contacts with these keys of the same two shapes, by these.
+    fn runs(key: &[[u32; 3]], n_shapes: usize) -> ByShape<[u32; 2]> {
         let (mut runs, mut first) = (vec![], 0);
-        while first < self.key.len() {
-            let end = Last::run_end(&self.key, first, self.key.len());
+        while first < key.len() {
+            let end = Last::run_end(key, first, key.len());
             runs.push([first as u32, end as u32]);
             first = end;
         }
         ByShape::of(n_shapes, runs.len(), |r| {
-            let [s, t, _] = self.key[runs[r][0] as usize];
+            let [s, t, _] = key[runs[r][0] as usize];
             ([s, t], runs[r])
         })
     }
 
-    /// Match all contacts, tile by tile.
-    fn matches<'a>(&self, n_shapes: usize, contacts: &Contacts, same: &'a mut [u32]) -> Vec<Matches<'a>> {
-        let Tiles { start, .. } = &contacts.tiles;
-        let runs = if self.pairs_hold { ByShape::default() } else { self.runs(n_shapes) };
-        let min_len = if same.len() <= SERIAL_LIMIT { start.len() } else { 1 };
-        let parts = cut(same, start.windows(2).map(|ends| (ends[1] - ends[0]) as usize));
-        let tiles = parts.into_par_iter().enumerate().with_min_len(min_len).with_max_len(min_len);
-        let of_tile = |(tile, same): (usize, &'a mut [u32])| {
-            let range = |start: &[u32]| start[tile] as usize..start[tile + 1] as usize;
-            let mut out = Matches { now: range(start), same, successors: vec![] };
+    /// Match all contacts, some of a tile at a time.
+    fn matches<'a>(&self, contacts: &Contacts, same: &'a mut [u32]) -> Vec<Matches<'a>> {
+        let is_serial = same.len() <= SERIAL_LIMIT;
+        let mut parts = vec![];
+        for (tile, ends) in contacts.tiles.start.windows(2).enumerate() {
+            let (mut first, end) = (ends[0] as usize, ends[1] as usize);
+            while first < end {
+                // Runs are whole.
+                let last = if is_serial { end - 1 } else { (first + PART - 1).min(end - 1) };
+                let own = first..Last::run_end(&contacts.key, last, end);
+                first = own.end;
+                parts.push((tile, own));
+            }
+        }
+        let of_parts = cut(same, parts.iter().map(|(_, own)| own.len()));
+        let min_len = if is_serial { parts.len().max(1) } else { 1 };
+        let tasks = parts.into_par_iter().zip(of_parts).with_min_len(min_len).with_max_len(min_len);
+        let of_part = |((tile, now), same): ((usize, Range<usize>), &'a mut [u32])| {
+            let mut out = Matches { now, same, successors: vec![] };
             match self.pairs_hold {
-                true => self.match_along(contacts, range(&self.start), &mut out),
-                false => self.match_by_shapes(contacts, &runs, &mut out),
+                true => {
+                    let last = self.start[tile] as usize..self.start[tile + 1] as usize;
+                    self.match_along(contacts, last, &mut out);
+                }
+                false => self.match_by_shapes(contacts, &mut out),
             }
             out
         };
-        tiles.map(of_tile).collect()
+        tasks.map(of_part).collect()
     }
 }
 
-/// What is matched of a tile.
+/// What is matched of some contacts of a tile.
 struct Matches<'a> {
-    /// The tile's contacts.
+    /// The contacts.
     now: Range<usize>,
     /// The contact of the last step that each is.
     same: &'a mut [u32],
@@ -188,7 +212,7 @@ struct Matches<'a> {
 }
 
 /// The stage. The memory of the last step's keys is released.
-pub fn run(plan: &StepPlan, n_shapes: usize, last: &mut Last, contacts: &mut Contacts) {
+pub fn run(plan: &StepPlan, last: &mut Last, contacts: &mut Contacts) {
     let mut impulse = std::mem::take(&mut contacts.impulse);
     let mut rolling_impulse = std::mem::take(&mut contacts.rolling_impulse);
     let n = contacts.len();
@@ -197,7 +221,7 @@ pub fn run(plan: &StepPlan, n_shapes: usize, last: &mut Last, contacts: &mut Con
     if plan.warm_starts {
         let mut same = vec![NEW; n];
         let successors: Vec<[u32; 2]> =
-            last.matches(n_shapes, contacts, &mut same).into_iter().flat_map(|tile| tile.successors).collect();
+            last.matches(contacts, &mut same).into_iter().flat_map(|part| part.successors).collect();
         let of = |column: &[Vec3], i: usize| column.get(same[i] as usize).map_or(DVec3::ZERO, |v| v.as_dvec3());
         fill_rows(&mut impulse, |i| of(&last.impulse, i));
         fill_rows(&mut rolling_impulse, |i| of(&last.rolling_impulse, i));
@@ -214,5 +238,5 @@ pub fn run(plan: &StepPlan, n_shapes: usize, last: &mut Last, contacts: &mut Con
     }
     contacts.impulse = impulse;
     contacts.rolling_impulse = rolling_impulse;
-    (last.key, last.arms) = (vec![], vec![]);
+    (last.key, last.arms, last.runs) = (vec![], vec![], ByShape::default());
 }
