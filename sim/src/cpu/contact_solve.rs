@@ -5,7 +5,7 @@
 //! in     angular_velocity  [n_bodies]     rad/s
 //! in     contact_start     [n_tiles + 2]
 //! in     contact_bodies    [n_contacts]
-//! in     contact_key       [n_contacts]   where shapes have faces
+//! in     contact_key       [n_contacts]   where not all contacts have Φ/h alone
 //! in     contact_normal    [n_contacts]
 //! in     contact_arms      [n_contacts]   m, or
 //! in     contact_reach     [n_contacts]   m

@@ -107,8 +107,8 @@ struct Part {
 impl Part {
     /// The least number of pairs of a part, unless its tile has fewer, of other pairs and of pairs of spheres; and of parts, unless they would have
     /// fewer pairs.
-    const LEAST: [usize; 2] = [256, 4096];
-    const MANY: usize = 64;
+    const LEAST: [usize; 2] = [512, 4096];
+    const MANY: usize = 32;
 
     /// The parts of all tiles, in order.
     fn all(pairs: &Pairs) -> Vec<Part> {

@@ -8,8 +8,8 @@
 //! inout  rolling_impulse  [n_contacts]  N m s, world, where the plan has rolling or spinning friction
 //! Source: PHYSICS, "warm start from the last step's γ of the same pair".
 //!
-//! While the candidate pairs are those of the last step, the contacts of a tile have the order of their pairs in both steps, and one pass along
-//! both matches them; after a run of the broad phase they are looked for by their shapes. A contact between the shapes that were matched is the
+//! While the candidate pairs are those of the last step, the contacts of a tile have the order of their pairs in both steps, and passes along
+//! both match them; after a run of the broad phase they are looked for by their shapes. A contact between the shapes that were matched is the
 //! one of the same feature.
 //!
 //! Faces on faces have contacts whose features change from step to step while they rest. What such a contact had goes on with the nearest
@@ -48,7 +48,7 @@ const NEW: u32 = u32::MAX;
 const PART: usize = 1024;
 
 impl Last {
-    /// Take the contacts of the last step, before those of this step are written, of a model with so many shapes; `pairs_hold` asserts that the
+    /// Take the contacts of the last step, before those of this step are written, of a model with `n_shapes` shapes; `pairs_hold` asserts that the
     /// candidate pairs are the same.
     pub fn take(&mut self, contacts: &mut Contacts, n_shapes: usize, pairs_hold: bool) {
         // Contacts that were read from a file, or from a device, do not know their pairs.
@@ -211,7 +211,7 @@ struct Matches<'a> {
     successors: Vec<[u32; 2]>,
 }
 
-/// The stage. The memory of the last step's keys is released.
+/// The stage. The memory of the last step's keys, arms and runs is released.
 pub fn run(plan: &StepPlan, last: &mut Last, contacts: &mut Contacts) {
     let mut impulse = std::mem::take(&mut contacts.impulse);
     let mut rolling_impulse = std::mem::take(&mut contacts.rolling_impulse);

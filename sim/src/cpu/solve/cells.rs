@@ -16,7 +16,7 @@ impl<T> Clone for Cells<'_, T> {
 
 impl<T> Copy for Cells<'_, T> {}
 
-// SAFETY: entries are reached through `get` and `set` alone, whose callers promise that no other thread touches the entry.
+// SAFETY: entries are reached through `get`, `set` and `range` alone, whose callers promise that no other thread touches the entry.
 unsafe impl<T: Send> Sync for Cells<'_, T> {}
 
 impl<'a, T: Copy> Cells<'a, T> {

@@ -13,14 +13,15 @@ use glam::DVec3;
 pub trait Group<T: Grouped<L>, const L: usize>: Copy + Send + Sync {
     /// Groups that are worth a task of a thread, some microseconds.
     const CHUNK: usize;
-
-    /// A group without blocks.
-    fn empty() -> Self;
-
-    /// What a contact has, rounded, in a cache line.
+    /// Whether contacts may have angular impulses.
+    const ROLLS: bool;
+    /// What a contact has, rounded, side by side.
     type Row: Copy + Default + Send + Sync;
     /// What a body has, rounded, besides its motion.
     type Body: Copy + Default + Send + Sync;
+
+    /// A group that is to be filled before it is visited.
+    fn empty() -> Self;
 
     /// The row of a contact.
     fn row(from: &Source, contact: usize) -> Self::Row;
@@ -173,14 +174,14 @@ pub unsafe fn widest<T: Grouped<L>, const L: usize, W: Work<T, L>>(work: W) -> W
             unsafe { work.run::<T::Wide>() }
         }
         #[target_feature(enable = "avx512f,avx512vl")]
-        unsafe fn widest<T: Grouped<L>, const L: usize, W: Work<T, L>>(work: W) -> W::Out {
+        unsafe fn many<T: Grouped<L>, const L: usize, W: Work<T, L>>(work: W) -> W::Out {
             crate::lanes::align_stack();
             // SAFETY: the caller's promise.
             unsafe { work.run::<T::Widest>() }
         }
         match crate::lanes::registers() {
             // SAFETY: the processor has AVX-512; the caller's promise.
-            Registers::Avx512 => return unsafe { widest(work) },
+            Registers::Avx512 => return unsafe { many(work) },
             // SAFETY: the processor has AVX2; the caller's promise.
             Registers::Avx2 => return unsafe { wide(work) },
             Registers::Arrays => {}

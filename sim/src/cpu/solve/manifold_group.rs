@@ -148,6 +148,11 @@ impl<T: Real, const L: usize, const R: usize> Contact<T, L, R> {
 
 impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for ManifoldGroup<T, L, R> {
     const CHUNK: usize = 64 / L;
+    const ROLLS: bool = R > 0;
+    /// The normal, the impulse, the offset and the friction; the arms.
+    type Row = [[T; 8]; 2];
+    /// The inverse inertia tensor: xx, yy, zz, yz, xz, xy.
+    type Body = [T; 8];
 
     fn empty() -> Self {
         ManifoldGroup {
@@ -159,11 +164,6 @@ impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for ManifoldGrou
             contacts: [Contact::empty(); Blocks::MOST],
         }
     }
-
-    /// The normal, the impulse, the offset and the friction; the arms.
-    type Row = [[T; 8]; 2];
-    /// The inverse inertia tensor: xx, yy, zz, yz, xz, xy.
-    type Body = [T; 8];
 
     #[inline(always)]
     fn row(Source { op, gamma, .. }: &Source, i: usize) -> [[T; 8]; 2] {

@@ -48,7 +48,7 @@ struct Round {
     tiles: Vec<Tile>,
     /// The chunks of the first colour of each tile, of the second, and so on; chunks that are a whole tile are with the first.
     phases: Vec<Vec<usize>>,
-    /// The tiles of each thread, where that is the shortest way.
+    /// The tiles of each thread that has any, where that is the shortest way to visit all.
     shares: Vec<Vec<usize>>,
 }
 
@@ -104,7 +104,7 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
     const SMALL: usize = 2;
     /// The round of the blocks in no tile.
     const LAST: usize = 2;
-    /// Tiles for each thread from which on a thread takes whole ones.
+    /// Tiles for each thread from which on threads take them as they come.
     const MANY: usize = 4;
 
     /// Groups of each chunk of a colour with `n` of them: chunks are even in number, for two threads.
@@ -131,32 +131,32 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
             self.groups.resize(n_groups, G::empty());
         }
         let from = Source { op, blocks, place: &tiled.place, gamma, is_exact };
-        let (mut rows, mut bodies) = (std::mem::take(&mut self.rows), std::mem::take(&mut self.bodies));
+        let (mut rows, mut of_bodies) = (std::mem::take(&mut self.rows), std::mem::take(&mut self.bodies));
         rows.resize(op.contacts.len(), G::Row::default());
         fill_rows(&mut rows, |i| G::row(&from, i));
         // Places without a body are at rest.
         self.motion.clear();
         self.motion.resize(tiled.n_places, Motion::default());
-        bodies.resize(tiled.n_places, G::Body::default());
-        let (motion, own, masses) = (Cells::new(&mut self.motion), Cells::new(&mut bodies), op.masses);
+        of_bodies.resize(tiled.n_places, G::Body::default());
+        let (motion, body, masses) = (Cells::new(&mut self.motion), Cells::new(&mut of_bodies), op.masses);
         (0..masses.inv_mass.len()).into_par_iter().with_min_len(CHUNK).for_each(|b| {
             let place = tiled.place[b] as usize;
             // SAFETY: each body has a place of its own.
             unsafe {
                 motion.set(place, Motion::of(&op.free(b), masses.inv_mass[b], masses.inv_moment[b]));
-                own.set(place, G::body(&from, b));
+                body.set(place, G::body(&from, b));
             }
         });
         self.each_chunk(team, Which::All, |chunk, groups, motion| {
             let own = chunk.blocks_by_groups::<L>(tiled);
             // SAFETY: the promise of `each_chunk`.
-            unsafe { group::widest(Pack { groups, own, from: &from, rows: (&rows[..], &bodies[..]), motion }) };
+            unsafe { group::widest(Pack { groups, own, from: &from, rows: (&rows, &of_bodies), motion }) };
             [0.0; 2]
         });
-        (self.rows, self.bodies) = (rows, bodies);
+        (self.rows, self.bodies) = (rows, of_bodies);
     }
 
-    /// Lay the chunks of all tiles out for so many threads; returns the number of groups.
+    /// Lay the chunks of all tiles out for a number of threads; returns the number of groups.
     fn lay_out(&mut self, n_threads: usize, blocks: &Blocks, tiled: &Tiled) -> usize {
         let Packed { chunks, rounds, .. } = self;
         let mut n_groups = 0;
@@ -276,10 +276,10 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
     ) -> [f64; 2] {
         let Packed { groups, motion, chunks, visited, rounds, .. } = self;
         let (groups, motion, visited) = (Cells::new(groups), Cells::new(motion), Cells::new(visited));
-        // Each chunk is visited by one task of a phase.
-        let visit = |k: usize| {
+        let visit_chunk = |k: usize| {
             let chunk = &chunks[k];
-            // SAFETY: chunks have no group in common, those of a phase no moving body.
+            // SAFETY: each chunk is visited by one task, and chunks have no group in common. Tasks that run concurrently have whole tiles of a
+            // round, or chunks of a phase, neither of which have a moving body in common.
             unsafe { visited.set(k, visit(chunk, groups.range(chunk.groups.clone()), motion)) };
         };
         let and = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a + c, b.max(d)];
@@ -288,10 +288,10 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
             let has = |tile: &Tile| k == Self::LAST || which.has(tile);
             let visit_tile = |tile: usize| {
                 if has(&tiles[tile]) {
-                    tiles[tile].chunks.clone().for_each(visit);
+                    tiles[tile].chunks.clone().for_each(visit_chunk);
                 }
             };
-            if !shares.is_empty() {
+            if !shares.is_empty() && matches!(which, Which::All) {
                 team.run(shares.len(), &|share| shares[share].iter().for_each(|tile| visit_tile(*tile)));
             } else if tiles.len() >= Self::MANY * team.n_threads() || team.n_threads() == 1 {
                 team.run(tiles.len(), &visit_tile);
@@ -299,7 +299,7 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
                 for phase in phases.iter() {
                     team.run(phase.len(), &|k| {
                         if has(&tiles[chunks[phase[k]].tile]) {
-                            visit(phase[k]);
+                            visit_chunk(phase[k]);
                         }
                     });
                 }
@@ -320,17 +320,17 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
 
     /// Read the impulses of the contacts back, and the angular ones that follow them if there are any.
     pub fn unpack(&self, (blocks, tiled): (&Blocks, &Tiled), n_contacts: usize, gamma: &mut [DVec3]) {
-        let rolls = gamma.len() > n_contacts;
+        let rolls_from = (G::ROLLS && gamma.len() > n_contacts).then_some(n_contacts);
         let gamma = Cells::new(gamma);
         self.chunks.par_iter().for_each(|chunk| {
             let (groups, own) = (&self.groups[chunk.groups.clone()], chunk.blocks_by_groups::<L>(tiled));
             // SAFETY: each contact is in one block, and each chunk is one task's.
-            unsafe { group::widest(Unpack { groups, own, blocks, gamma, rolls_from: rolls.then_some(n_contacts) }) };
+            unsafe { group::widest(Unpack { groups, own, blocks, gamma, rolls_from }) };
         });
     }
 }
 
-/// [`Group::visit`] with the action `ACT`, and its safety.
+/// [`Group::visit`] with the action `ACT`. No other thread touches the motions of the groups' moving bodies.
 struct Visit<'a, T, const L: usize, G, const ACT: u8> {
     groups: &'a mut [G],
     motion: Cells<'a, Motion<T>>,
@@ -347,18 +347,18 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>, const ACT: u8> Work<T, L> fo
     }
 }
 
-/// Fill groups, and visit them for the first time while they are at hand; as safe as [`Group::visit`].
-struct Pack<'a, T, G, R, B> {
+/// Fill groups, and visit them for the first time while they are at hand. No other thread touches the motions of their moving bodies.
+struct Pack<'a, T: Grouped<L>, const L: usize, G: Group<T, L>, B> {
     groups: &'a mut [G],
     /// The blocks of each group.
     own: B,
     from: &'a Source<'a>,
-    rows: R,
+    rows: (&'a [G::Row], &'a [G::Body]),
     motion: Cells<'a, Motion<T>>,
 }
 
 impl<'a, T: Grouped<L>, const L: usize, G: Group<T, L>, B: Iterator<Item = &'a [u32]>> Work<T, L>
-    for Pack<'a, T, G, (&'a [G::Row], &'a [G::Body]), B>
+    for Pack<'a, T, L, G, B>
 {
     type Out = ();
 
@@ -434,9 +434,11 @@ impl Round {
             self.shares[least].push(tile);
         }
         let of_phase = |phase: &Vec<usize>| n_groups(&mut phase.iter().copied()).div_ceil(n_threads) + chunk;
-        if loads.iter().max() > Some(&self.phases.iter().map(of_phase).sum()) {
+        let phases = self.phases.iter().filter(|phase| !phase.is_empty());
+        if loads.iter().max() > Some(&phases.map(of_phase).sum()) {
             self.shares.clear();
         }
+        self.shares.retain(|share| !share.is_empty());
     }
 }
 

@@ -30,6 +30,10 @@ pub struct SphereGroup<T, const L: usize, const R: usize> {
 
 impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for SphereGroup<T, L, R> {
     const CHUNK: usize = 256 / L;
+    const ROLLS: bool = R > 0;
+    // The columns of the contacts are as near, and no body has a tensor.
+    type Row = ();
+    type Body = ();
 
     fn empty() -> Self {
         SphereGroup {
@@ -43,9 +47,6 @@ impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for SphereGroup<
             resistance: [Resistance::empty(); R],
         }
     }
-
-    type Row = ();
-    type Body = ();
 
     #[inline(always)]
     fn row(_: &Source, _: usize) {}

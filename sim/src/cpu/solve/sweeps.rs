@@ -117,7 +117,7 @@ where
     /// As [`Sweeps::release`].
     fn release(&mut self) {
         /// Bytes up to which memory is kept: the system takes longer to give it again than the step would to fill it.
-        const MUCH: usize = 64 << 20;
+        const MUCH: usize = 96 << 20;
         let Precisions { coarse, fine } = self;
         if coarse.size() + fine.size() > MUCH {
             *self = Self::default();
