@@ -181,7 +181,7 @@ impl Cpu {
         let mut contacts = std::mem::take(&mut state.contacts);
         let manifolds = std::mem::take(&mut state.manifolds);
         let (n_shapes, pairs_hold) = (model.n_shapes(), self.pairs_hold);
-        let take = || self.last.take(&mut contacts, n_shapes, pairs_hold);
+        let take = || self.last.take(plan, &mut contacts, n_shapes, pairs_hold);
         let ((), last) = rayon::join(take, || recycle::Last::new(&manifolds, n_shapes, pairs_hold));
         let at = contact_write::Input {
             model,

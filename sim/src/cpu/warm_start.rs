@@ -37,7 +37,7 @@ pub struct Last {
     /// The contacts' pairs within their tiles, and the first contact of each tile.
     pair: Vec<u32>,
     start: Vec<u32>,
-    /// The runs of contacts of the same two shapes, by these, where the pairs do not hold.
+    /// The runs of contacts of the same two shapes, by these, where the plan warm-starts and the pairs do not hold.
     runs: ByShape<[u32; 2]>,
 }
 
@@ -50,7 +50,7 @@ const PART: usize = 1024;
 impl Last {
     /// Take the contacts of the last step, before those of this step are written, of a model with `n_shapes` shapes; `pairs_hold` asserts that the
     /// candidate pairs are the same.
-    pub fn take(&mut self, contacts: &mut Contacts, n_shapes: usize, pairs_hold: bool) {
+    pub fn take(&mut self, plan: &StepPlan, contacts: &mut Contacts, n_shapes: usize, pairs_hold: bool) {
         // Contacts that were read from a file, or from a device, do not know their pairs.
         self.pairs_hold = pairs_hold && contacts.pair.last() != Some(&NO_PAIR);
         std::mem::swap(&mut self.start, &mut contacts.tiles.start);
@@ -69,7 +69,8 @@ impl Last {
         fill_rows(&mut self.impulse, |i| contacts.impulse[i].as_vec3());
         self.rolling_impulse.resize(contacts.rolling_impulse.len(), Vec3::ZERO);
         fill_rows(&mut self.rolling_impulse, |i| contacts.rolling_impulse[i].as_vec3());
-        self.runs = if self.pairs_hold { ByShape::default() } else { Last::runs(&self.key, n_shapes) };
+        let is_by_shapes = plan.warm_starts && !self.pairs_hold;
+        self.runs = if is_by_shapes { Last::runs(&self.key, n_shapes) } else { ByShape::default() };
     }
 
     /// The end of the contacts from `first` on, up to `end`, that are of the same two shapes.
