@@ -38,7 +38,7 @@ pub use images::{ImageJob, ImageOptions, frames};
 pub use init::{InitJob, Starter};
 pub use inspect::{InspectJob, Suggestion};
 pub use movie::{MovieFile, MovieJob, MovieKind};
-pub use page::{MARK, PAGE, ReportJob, RunData, Subject};
+pub use page::{Energies, MARK, PAGE, ReportJob, RunData, Subject};
 pub use plot::table as time_table;
 pub use plot::{Curve, Plot, PlotJob};
 pub use preview::PreviewJob;

@@ -71,3 +71,4 @@ mod waiting;
 mod warm_start;
 mod warnings;
 mod watch;
+mod work;

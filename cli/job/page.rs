@@ -47,6 +47,20 @@ pub enum Subject {
     },
 }
 
+/// The energies of a run and the work that it was given, J; none of what its model has not.
+pub struct Energies {
+    /// Of the bodies' motion.
+    pub kinetic: Curve,
+    /// Of gravity.
+    pub potential: Curve,
+    /// Of springs.
+    pub elastic: Option<Curve>,
+    /// Of bodies that have come, as they did.
+    pub arrived: Option<Curve>,
+    /// Work of motors, and of loads.
+    pub work: [Option<Curve>; 2],
+}
+
 /// What is read of a run.
 pub struct RunData {
     /// Its name: that of its folder.
@@ -61,8 +75,8 @@ pub struct RunData {
     pub is_running: bool,
     /// The plots of its probes; of a sweep none, since they are laid over each other.
     pub plots: Vec<Plot>,
-    /// The energies among its probes: kinetic and potential, J.
-    pub energies: Option<[Curve; 2]>,
+    /// The energies among its probes, if they are there.
+    pub energies: Option<Energies>,
     /// The columns of its report, with the milliseconds of the stages.
     pub report: Vec<Curve>,
     /// Its images, by frame.
@@ -259,8 +273,14 @@ fn read(folder: &Path) -> Outcome<(RunData, TimeTable)> {
     }
     let curve =
         |c: &table::TimeColumn| Curve { label: c.name.clone(), points: c.points.clone(), has_start: c.has_start };
-    let energy = |name: &str| probes.columns.iter().find(|c| c.name == format!("energy.{name}")).map(curve);
-    let energies = energy("kinetic").zip(energy("potential")).map(|(kinetic, potential)| [kinetic, potential]);
+    let named = |name: &str| probes.columns.iter().find(|c| c.name == name && c.unit == "J").map(curve);
+    let energies = named("energy.kinetic").zip(named("energy.potential")).map(|(kinetic, potential)| Energies {
+        kinetic,
+        potential,
+        elastic: named("energy.elastic"),
+        arrived: named("energy.arrived"),
+        work: ["work.motors", "work.loads"].map(named),
+    });
     let data = RunData {
         name: name_of(folder),
         label: String::new(),

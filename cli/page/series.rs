@@ -2,7 +2,7 @@
 
 use super::number;
 use super::view::{Cell, Stage, Table};
-use crate::job::{Curve, Plot, RunData};
+use crate::job::{Curve, Energies, Plot, RunData};
 
 /// The milliseconds of a run's steps.
 pub struct Times<'a> {
@@ -128,19 +128,39 @@ pub fn solver_plots(run: &RunData) -> Vec<Plot> {
     plots
 }
 
-/// The kinetic, potential and total energy of a run, J.
-fn energies(run: &RunData) -> Option<[Curve; 3]> {
-    let [kinetic, potential] = run.energies.as_ref()?;
-    let sum = |(k, p): (&(f64, f64), &(f64, f64))| (k.0, k.1 + p.1);
-    let total = kinetic.points.iter().zip(&potential.points).map(sum).collect();
-    (!kinetic.points.is_empty()).then(|| {
-        [named("kinetic", kinetic.points.clone()), named("potential", potential.points.clone()), named("total", total)]
-    })
+/// The energies of a run, their total, what came in, and what of both is dissipated, J.
+fn energies(run: &RunData) -> Option<Vec<Curve>> {
+    let Energies { kinetic, potential, elastic, arrived, work: [motors, loads] } = run.energies.as_ref()?;
+    let known = |curves: &[(&str, Option<&Curve>)]| -> Vec<Curve> {
+        curves.iter().filter_map(|(name, curve)| Some(named(name, (*curve)?.points.clone()))).collect()
+    };
+    let stored = known(&[("kinetic", Some(kinetic)), ("potential", Some(potential)), ("elastic", elastic.as_ref())]);
+    let given = known(&[
+        ("of bodies that came", arrived.as_ref()),
+        ("work of motors", motors.as_ref()),
+        ("work of loads", loads.as_ref()),
+    ]);
+    let (total, gain) = (sum(&stored), sum(&given));
+    let (_, at_start) = *total.first()?;
+    let gain_at = |i: usize| gain.get(i).map_or(0.0, |point| point.1);
+    let taken = |(i, (t, total)): (usize, &(f64, f64))| (*t, gain_at(i) + at_start - total);
+    let dissipated = named("dissipated", total.iter().enumerate().map(taken).collect());
+    Some(stored.into_iter().chain([named(TOTAL, total)]).chain(given).chain([dissipated]).collect())
+}
+
+/// The name of the sum of the energies.
+const TOTAL: &str = "total";
+
+/// The sum of curves of the same times.
+fn sum(curves: &[Curve]) -> Vec<(f64, f64)> {
+    let Some((first, rest)) = curves.split_first() else { return vec![] };
+    let add = |a: Vec<(f64, f64)>, b: &Curve| a.into_iter().zip(&b.points).map(|((t, a), (_, b))| (t, a + b)).collect();
+    rest.iter().fold(first.points.clone(), add)
 }
 
 /// The change of a run's total energy from its first instant to its last, J.
 pub fn change(run: &RunData) -> Option<f64> {
-    let [.., total] = energies(run)?;
+    let total = energies(run)?.into_iter().find(|curve| curve.label == TOTAL)?;
     let mut finite = total.points.iter().map(|p| p.1).filter(|v| v.is_finite());
     let first = finite.next()?;
     Some(finite.next_back().unwrap_or(first) - first)
@@ -165,7 +185,7 @@ pub fn balance(run: &RunData) -> Option<Table> {
 
 /// The plot of the energies of a run.
 pub fn energy_plots(run: &RunData) -> Vec<Plot> {
-    energies(run).map(|curves| plot("energy", "energy", "J", curves.into())).into_iter().collect()
+    energies(run).map(|curves| plot("energy", "energy", "J", curves)).into_iter().collect()
 }
 
 #[cfg(test)]

@@ -81,9 +81,14 @@ pub fn names(model: &str, folder: &str) -> (String, String) {
     }
 }
 
-/// Whether a plot is that of the energies, which stand in a section of their own.
+/// Whether a plot is that of the energies or of work, which stand in a section of their own.
 fn is_energy(plot: &Plot) -> bool {
-    plot.title == "energy" && plot.curves.iter().all(|c| ["kinetic", "potential"].contains(&c.label.as_str()))
+    let are = |known: &[&str]| plot.curves.iter().all(|c| known.contains(&c.label.as_str()));
+    match plot.title.as_str() {
+        "energy" => are(&["kinetic", "potential", "elastic", "arrived"]),
+        "work" => are(&["motors", "loads"]),
+        _ => false,
+    }
 }
 
 /// What stands below an image.
@@ -95,10 +100,9 @@ pub fn caption(run: &RunData, frame: u64) -> String {
 fn energy_note(is_there: bool) -> &'static str {
     match is_there {
         true => {
-            "The total is of the kinetic energy and the potential energy of gravity, whose zero is at the origin. The elastic \
-             energy of springs and of springs in joints is not in it, nor is the work of motors and loads: what springs store is \
-             missing here until they give it back. Friction and impacts take energy out; motors, loads and bodies that come later \
-             bring some in."
+            "The total is of the kinetic energy, the potential energy of gravity, whose zero is at the origin, and the elastic \
+             energy of springs. What is dissipated, by friction, impacts and dampers, is the work of motors and loads and the energy \
+             of bodies that came later, less the change of the total."
         }
         false => {
             "The run has no energies: they are left out by `no_energies` of its probes, or it has not taken a step yet, or its \

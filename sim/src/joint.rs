@@ -156,6 +156,10 @@ pub struct JointState {
     pub violation: f64,
     /// Sign of the effort of a motor that was at its maximum; 0 otherwise.
     pub motor_side: f64,
+    /// Torque, N m, or force, N, of what drives the joint on B along the coordinate: a motor, or a length that changes.
+    pub effort: f64,
+    /// The work that this has done so far, J.
+    pub work: f64,
 }
 
 /// The force and coordinate of a spring in the last step.
@@ -167,6 +171,8 @@ pub struct SpringState {
     pub force_before: f64,
     /// Length, m, or angle, rad, unwrapped over full turns.
     pub coordinate: f64,
+    /// The work that changes of the preload have done so far, J.
+    pub work: f64,
 }
 
 /// A row: a scalar constraint `Ψ = 0` between two bodies, in the world frame; [the module](self) has `dΨ/dt`.
@@ -363,6 +369,22 @@ impl Joint {
         for row in &mut rows[first..] {
             row.bodies = self.bodies;
         }
+    }
+
+    /// Whether a motor or a length that changes drives the joint.
+    pub fn is_driven(&self) -> bool {
+        self.motor.is_some() || self.is_actuator()
+    }
+
+    /// Whether the length of the joint changes.
+    fn is_actuator(&self) -> bool {
+        self.has_length() && !matches!(self.length, Function::Constant(_))
+    }
+
+    /// Whether row `k` of the `n` rows of [`Joint::rows`] is that of a motor of prescribed rate or coordinate, or of a length that changes.
+    pub fn drives(&self, k: usize, n: usize) -> bool {
+        let has_motor_row = matches!(self.motor, Some(Motor::Speed(_) | Motor::Position(_)));
+        has_motor_row && k + 1 == n || self.is_actuator() && k == 0
     }
 
     /// Violation |Ψ|, m or rad, of `row` at the step's start, and whether it is the row of a motor, which locks no motion. `row` is row `k`

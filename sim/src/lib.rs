@@ -62,6 +62,7 @@ mod terrain;
 mod twist;
 mod warning;
 pub mod watch;
+mod work;
 pub mod workload;
 
 pub use aabb::Aabb;

@@ -156,6 +156,16 @@ impl Load {
         let direction = if self.follows { frame * self.direction } else { self.direction };
         direction * self.value.at(t)
     }
+
+    /// Force, N, and torque about the centre of mass, N m, world, at time `t`, s, on a body of the given orientation, principal frame to world,
+    /// and the model file's body frame, `frame` in the principal one.
+    pub fn wrench(&self, t: f64, orientation: glam::DQuat, frame: glam::DQuat) -> (DVec3, DVec3) {
+        let vector = self.vector(t, orientation * frame);
+        match self.torque {
+            true => (DVec3::ZERO, vector),
+            false => (vector, (orientation * self.point).cross(vector)),
+        }
+    }
 }
 
 #[cfg(test)]

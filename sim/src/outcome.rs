@@ -90,6 +90,8 @@ pub struct StepOutcome {
     /// Bound of the energy oscillation of springs that are integrated explicitly, J: the sum of h |F·v| with the step h, the force F
     /// and its velocity v.
     pub spring_oscillation: f64,
+    /// Work of motors, actuators, loads and changing preloads, J: the sum of the sizes.
+    pub work: f64,
     /// What the joints bend.
     pub bend: Bend,
     /// Number of parts in which the step was taken; 0 on a back end that takes none in parts.
@@ -111,6 +113,7 @@ impl StepOutcome {
             worst,
             joints: self.joints.and(next.joints),
             spring_oscillation: self.spring_oscillation.max(next.spring_oscillation),
+            work: self.work + next.work,
             bend: self.bend.and(next.bend),
             ..next
         }

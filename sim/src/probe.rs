@@ -1,6 +1,7 @@
 //! Probes: the quantities of `probes.csv`, one line per instant, with units in the header.
 
 use crate::joint::{Coordinate, SpringKind};
+use crate::load::Function;
 use crate::model_file::Probes;
 use crate::{Model, Pose, State};
 use glam::DVec3;
@@ -10,9 +11,10 @@ use std::fmt::Write;
 ///
 /// After the time come, per body: position and orientation of the model file's body frame, velocity of the centre of mass (world), and
 /// angular velocity (body frame). Per joint: the reaction force and torque of body B on body A, about the origin of the joint's frame on
-/// A, both in that frame (`_joint`) and in the world (`_world`), the coordinate and its rate if the kind of joint has one, and the constraint violation. Per spring: force and
-/// length, or torque and angle. Per pair of classes: number of contacts with an impulse, and total force on the second class (world).
-/// With energies: kinetic and potential energy, maximum penetration, and mean slip speed of the contacts with an impulse.
+/// A, both in that frame (`_joint`) and in the world (`_world`), the coordinate and its rate if the kind of joint has one, the constraint violation, and
+/// effort and work of what drives it. Per spring: force and length, or torque and angle. Per pair of classes: number of contacts with an impulse, and
+/// total force on the second class (world). With energies: kinetic, potential and elastic energy, that of bodies that have come, and the work of motors and of loads, as far as
+/// there are such, maximum penetration, and mean slip speed of the contacts with an impulse.
 pub fn probe_header(model: &Model, probes: &Probes) -> String {
     let mut h = String::from("time [s]");
     let mut add = |name: &str, parts: &[(&str, &str)]| {
@@ -58,6 +60,9 @@ pub fn probe_header(model: &Model, probes: &Probes) -> String {
             add(&joint.name, &[(name, unit), ("rate", rate)]);
         }
         add(&joint.name, &[("violation", "m or rad")]);
+        if let Some((name, ..)) = units.filter(|_| joint.is_driven()) {
+            add(&joint.name, &[("effort", if name == "angle" { "N m" } else { "N" }), ("work", "J")]);
+        }
     }
     for s in &probes.springs {
         let spring = &model.springs[*s as usize];
@@ -71,11 +76,38 @@ pub fn probe_header(model: &Model, probes: &Probes) -> String {
         add(name, &[("n", "1"), ("fx", "N"), ("fy", "N"), ("fz", "N")]);
     }
     if probes.energies {
+        let has = Sources::of(model);
         add("energy", &[("kinetic", "J"), ("potential", "J")]);
+        has.springs.then(|| add("energy", &[("elastic", "J")]));
+        has.arrivals.then(|| add("energy", &[("arrived", "J")]));
+        has.motors.then(|| add("work", &[("motors", "J")]));
+        has.loads.then(|| add("work", &[("loads", "J")]));
         add("contacts", &[("worst_penetration", "m"), ("mean_slip", "m/s")]);
     }
     h.push('\n');
     h
+}
+
+/// What a model has besides bodies that stores energy or gives it.
+struct Sources {
+    springs: bool,
+    /// Bodies that appear or are let go.
+    arrivals: bool,
+    /// Motors, lengths and preloads that change.
+    motors: bool,
+    loads: bool,
+}
+
+impl Sources {
+    fn of(model: &Model) -> Sources {
+        let has_changing_preload = model.springs.iter().any(|s| !matches!(s.preload, Function::Constant(_)));
+        Sources {
+            springs: !model.springs.is_empty(),
+            arrivals: !model.scheduled.is_empty(),
+            motors: has_changing_preload || model.joints.iter().any(|joint| joint.is_driven()),
+            loads: !model.loads.is_empty(),
+        }
+    }
 }
 
 /// What a line of the probes has of all bodies and contacts.
@@ -129,6 +161,9 @@ pub fn probe_line(model: &Model, state: &State, probes: &Probes, sums: &Sums) ->
             add(&[s.coordinate, s.rate]);
         }
         add(&[s.violation]);
+        if joint.is_driven() {
+            add(&[s.effort, s.work]);
+        }
     }
     for s in &probes.springs {
         let s = &state.springs[*s as usize];
@@ -139,7 +174,13 @@ pub fn probe_line(model: &Model, state: &State, probes: &Probes, sums: &Sums) ->
         add(&force.to_array());
     }
     if probes.energies {
-        add(&sums.whole);
+        let ([energies @ .., penetration, slip], has) = (sums.whole, Sources::of(model));
+        add(&energies);
+        has.springs.then(|| add(&[state.elastic_energy(model)]));
+        has.arrivals.then(|| add(&[state.arrived]));
+        has.motors.then(|| add(&[state.work_of_motors()]));
+        has.loads.then(|| add(&[state.load_work]));
+        add(&[penetration, slip]);
     }
     line.push('\n');
     line

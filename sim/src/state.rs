@@ -54,6 +54,10 @@ pub struct State {
     pub joints: Vec<JointState>,
     /// Spring states of the last step (n_springs).
     pub springs: Vec<SpringState>,
+    /// Work of the loads so far, J.
+    pub load_work: f64,
+    /// Kinetic and potential energy of the bodies that have appeared or begun to move, as they did, J.
+    pub arrived: f64,
     /// Step length of the last APGD solve, from which the next one starts; 0 before the first.
     pub step_length: f64,
     /// The factorisation of the joints for the steps to come.
@@ -97,8 +101,8 @@ impl State {
         if !self.pace.is_sound() {
             return Err("has parts of steps that there are not".into());
         }
-        if !self.time.is_finite() || !self.step_length.is_finite() {
-            return Err("has a time or a step length that is not finite".into());
+        if ![self.time, self.step_length, self.arrived, self.work()].iter().all(|value| value.is_finite()) {
+            return Err("has a time, a step length, a work or an energy that is not finite".into());
         }
         self.joint_factor.fit(n)?;
         self.contacts.fit(n, model.n_shapes(), model.laws.len())?;
@@ -145,7 +149,11 @@ impl State {
                 continue;
             }
             has_changed |= self.activity[b] != activity;
+            let comes = activity == Activity::Moving && !self.is_free(b);
             self.activity[b] = activity;
+            if comes {
+                self.arrived += self.kinetic_energy_of(model, b) + self.potential_energy_of(model, b);
+            }
         }
         if has_changed {
             // The broad phase has left out pairs of bodies held in place.
@@ -222,17 +230,45 @@ impl State {
 
     /// Kinetic energy of the moving bodies, J.
     pub fn kinetic_energy(&self, model: &Model) -> f64 {
-        let of = |b: usize| {
-            let w = self.angular_velocity[b];
-            0.5 * self.velocity[b].length_squared() / model.inv_mass[b]
-                + 0.5 * (w * w / model.inv_inertia[b]).element_sum()
-        };
-        (0..model.n_bodies()).filter(|b| self.moves(*b)).map(of).sum()
+        (0..model.n_bodies()).filter(|b| self.moves(*b)).map(|b| self.kinetic_energy_of(model, b)).sum()
+    }
+
+    fn kinetic_energy_of(&self, model: &Model, b: usize) -> f64 {
+        let w = self.angular_velocity[b];
+        0.5 * self.velocity[b].length_squared() / model.inv_mass[b] + 0.5 * (w * w / model.inv_inertia[b]).element_sum()
+    }
+
+    fn potential_energy_of(&self, model: &Model, b: usize) -> f64 {
+        -model.gravity.dot(self.position[b]) / model.inv_mass[b]
     }
 
     /// Potential energy of the moving and the sleeping bodies in gravity, relative to the world's origin, J.
     pub fn potential_energy(&self, model: &Model) -> f64 {
         let moving = (0..model.n_bodies()).filter(|b| self.is_free(*b));
-        moving.map(|b| -model.gravity.dot(self.position[b]) / model.inv_mass[b]).sum()
+        moving.map(|b| self.potential_energy_of(model, b)).sum()
+    }
+
+    /// Elastic energy of the springs, J: of their stiffness, and of their preload as it is now.
+    pub fn elastic_energy(&self, model: &Model) -> f64 {
+        let of = |(spring, now): (&Spring, &SpringState)| {
+            if !spring.acts(self.time - model.step) || spring.bodies.iter().any(|b| self.is_inactive(*b as usize)) {
+                return 0.0;
+            }
+            let stretch = now.coordinate - spring.rest;
+            0.5 * spring.stiffness * stretch * stretch + spring.preload.at(self.time) * stretch
+        };
+        model.springs.iter().zip(&self.springs).map(of).sum()
+    }
+
+    /// Work of motors, actuators and changing preloads so far, J.
+    pub fn work_of_motors(&self) -> f64 {
+        let of_joints: f64 = self.joints.iter().map(|joint| joint.work).sum();
+        let of_springs: f64 = self.springs.iter().map(|spring| spring.work).sum();
+        of_joints + of_springs
+    }
+
+    /// Work that motors, actuators, changing preloads and loads have done so far, J.
+    pub fn work(&self) -> f64 {
+        self.work_of_motors() + self.load_work
     }
 }

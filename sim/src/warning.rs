@@ -12,7 +12,7 @@ pub enum WarningKind {
     Joint,
     /// A motor does not reach the rate or the coordinate that it prescribes.
     Motor,
-    /// Energy has grown without a cause, or joints alone have lost it.
+    /// Energy has grown beyond what motors and loads have given, or joints have lost it.
     Energy,
     /// Two bodies overlap deeply.
     Overlap,
@@ -109,11 +109,13 @@ pub struct WatchState {
     pub(crate) by_size: f64,
     /// Whether each joint, then each spring, acted in the last step (n_joints + n_springs).
     pub(crate) acting: Vec<bool>,
-    /// Minimum energy since the last cause of growth, J.
+    /// Minimum energy less the work given, since the last cause that gives no work, J.
     pub(crate) min_energy: f64,
-    /// Maximum energy and maximum kinetic energy, J, and the greatest turn of a body on joints in a step, rad, since anything could take energy
-    /// away; none in such a step.
-    pub(crate) kept: Option<[f64; 3]>,
+    /// What the error of the work given since the step of that minimum may come to, J.
+    pub(crate) doubt: f64,
+    /// Maximum energy less the work given and maximum kinetic energy, J, the greatest turn of a body on joints in a step, rad, and what the
+    /// error of the work given may come to, J, since anything could take energy away; none in such a step.
+    pub(crate) kept: Option<[f64; 4]>,
     /// The least inradius of a shape that moves, m; none where it is not known yet.
     #[serde(skip)]
     pub(crate) inradius: Option<f64>,
@@ -133,7 +135,7 @@ impl WatchState {
     pub(crate) fn fit(&self, n_bodies: usize, n_acting: usize) -> Result<(), String> {
         let is_started = self.diagonal != 0.0;
         let [bodies, acting] = if is_started { [n_bodies, n_acting] } else { [0, 0] };
-        let sizes = [self.diagonal, self.mass, self.by_size];
+        let sizes = [self.diagonal, self.mass, self.by_size, self.doubt];
         if !sizes.iter().all(|size| size.is_finite() && *size >= 0.0) || self.min_energy.is_nan() {
             return Err("has a watch whose sizes are none".into());
         }

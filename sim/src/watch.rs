@@ -5,11 +5,12 @@
 //! | residual | the step's residual is above 100 tolerances and above gravity times step size |
 //! | joint | the error of a locked motion is above a thousandth of the initial bounding box's diagonal, or a hundredth of a radian |
 //! | motor | a driven rate is off by more than a hundredth of what is prescribed, and by more than half of it or what gives five times the error above in 1 s; or a driven coordinate by more than that error |
-//! | energy | kinetic, potential and elastic energy have grown by more than a tenth of the available energy, without a cause; or while nothing but joints acted, they have fallen by more than a tenth of the maximum kinetic energy |
+//! | energy | kinetic, potential and elastic energy have grown by more than a tenth of the available energy beyond what motors and loads have given; or while nothing but joints, motors and loads acted, they have fallen by more than a tenth of the maximum kinetic energy below that |
 //! | overlap | two bodies overlap by more than half the smaller inradius of their shapes; on a device, of all shapes that move |
 //!
-//! Causes of growing energy are loads, motors, lengths and preloads that change, and bodies that appear or begin to move, anywhere in
-//! the model: energy is compared with its minimum since the last step with a cause. Available energy is kinetic energy, elastic
+//! What motors, loads, and lengths and preloads that change give is known step by step ([`crate::work`]): energy less that is compared with its
+//! minimum, since the last step in which a body has appeared or begun to move, or a joint or spring has begun or ended to act. A hundredth of
+//! what was given and taken meanwhile is tolerated, and what the forces that gave it do at the bound of residuals. Available energy is kinetic energy, elastic
 //! energy, and each body's potential energy over the bottom of the initial bounding box, or over its own lowest position if that is
 //! lower, plus its weight times its minimum radius of gyration. Steps that are explicit in the positions let energy oscillate by h F·v/2,
 //! where F are weight and springs' forces: an oscillation of twice that is tolerated. A position, velocity, residual or joint error that
@@ -17,12 +18,12 @@
 
 use crate::inertia::{gyration, is_isotropic};
 use crate::joint::{Coordinate, Joint, JointState, Motor};
-use crate::load::Function;
 use crate::model::Model;
 use crate::outcome::{Deepest, JointErrors, StepOutcome};
 use crate::rows::fold_rows;
 use crate::state::{Activity, State};
 use crate::swing;
+use crate::work;
 use glam::DVec3;
 
 pub use crate::warning::{Broken, Warning, WarningCount, WarningKind, WatchState};
@@ -47,12 +48,20 @@ const SLOWEST: f64 = 1e-3;
 const ENERGY_GROWTH: f64 = 0.1;
 /// Tolerance of energy that joints lose, over the maximum kinetic energy.
 const ENERGY_LOSS: f64 = 0.1;
+/// Tolerance of both, over the work that was given and taken meanwhile.
+const OF_WORK: f64 = 0.01;
+
 /// Tolerance of overlaps, over the smaller inradius.
 const OVERLAP: f64 = 0.5;
 
 /// [`SolverSettings::residual_bound`](crate::settings::SolverSettings::residual_bound) of a model's steps, m/s.
 pub fn residual_bound(model: &Model) -> f64 {
     model.solver.residual_bound(model.gravity.length() * model.step)
+}
+
+/// What the error of the work that was given in a step may come to, J: a part of it, and what drives the model at the error of velocities.
+fn doubt(model: &Model, state: &State, seen: &StepOutcome) -> f64 {
+    OF_WORK * seen.work + model.step * residual_bound(model) * work::forces(model, state)
 }
 
 /// Sums and maxima over the bodies.
@@ -193,13 +202,13 @@ impl WatchState {
         if broken.is_some() {
             return (vec![], broken);
         }
-        let is_caused = self.is_caused(model, state, survey.mass);
+        let is_switched = self.is_switched(model, state, survey.mass);
         let found = [
             self.residual(model, seen).map(|m| (WarningKind::Residual, m)),
             self.joint(model, state, seen).map(|m| (WarningKind::Joint, m)),
             self.motor(model, state).map(|m| (WarningKind::Motor, m)),
-            self.energy(model, state, (seen, survey), is_caused)
-                .or_else(|| self.lost_energy(model, state, survey, is_caused))
+            self.energy(model, state, (seen, survey), is_switched)
+                .or_else(|| self.lost_energy(model, state, (seen, survey), is_switched))
                 .map(|m| (WarningKind::Energy, m)),
             self.overlap(model, seen).map(|m| (WarningKind::Overlap, m)),
             swing::watch(&mut self.swings, model, state, |b| label(model, b)).map(|m| (WarningKind::Swing, m)),
@@ -324,29 +333,30 @@ impl WatchState {
         model: &Model,
         state: &State,
         (seen, survey): (&StepOutcome, &Survey),
-        is_caused: bool,
+        is_switched: bool,
     ) -> Option<String> {
-        let elastic: f64 = (0..model.springs.len()).map(|i| elastic_energy(model, state, i)).sum();
-        let energy = survey.kinetic + survey.potential + elastic;
+        let elastic = state.elastic_energy(model);
+        let energy = survey.kinetic + survey.potential + elastic - state.work();
         let oscillation = survey.oscillation + seen.spring_oscillation;
         let upper = energy + oscillation;
-        if is_caused {
-            self.min_energy = upper;
+        if is_switched || upper < self.min_energy {
+            (self.min_energy, self.doubt) = (upper, 0.0);
             return None;
         }
-        self.min_energy = self.min_energy.min(upper);
+        self.doubt += doubt(model, state, seen);
         // The error of velocities, m/s.
         let error = residual_bound(model);
         let available = survey.kinetic + survey.over_lowest + self.by_size + elastic.abs();
-        let bound = ENERGY_GROWTH * available + 2.0 * survey.mass * error * error;
+        let bound = ENERGY_GROWTH * available + self.doubt + 2.0 * survey.mass * error * error;
         let growth = energy - oscillation - self.min_energy;
         if !(growth > bound) {
             return None;
         }
-        self.min_energy = upper;
+        let source = if self.doubt > 0.0 { "beyond what motors and loads have given" } else { "without a cause" };
+        (self.min_energy, self.doubt) = (upper, 0.0);
         let (body, own) = survey.most_energetic;
         let message = format!(
-            "energy has grown by {growth:.3e} J without a cause; the available energy is {available:.3e} J, the kinetic energy of body {} {own:.3e} J",
+            "energy has grown by {growth:.3e} J {source}; the available energy is {available:.3e} J, the kinetic energy of body {} {own:.3e} J",
             label(model, body as u32)
         );
         let overlap = seen.worst_penetration;
@@ -358,14 +368,20 @@ impl WatchState {
         Some(message)
     }
 
-    /// Energy that is lost while nothing but joints without limits acts, which take none: where the step does not resolve how fast the links of a
+    /// Energy that is lost while nothing acts but joints without limits, which take none, motors and loads: where the step does not resolve how fast the links of a
     /// mechanism turn, as when it passes a straight line. What hardly turns has lost it as joints without slack came taut, which is an impact.
-    fn lost_energy(&mut self, model: &Model, state: &State, survey: &Survey, is_caused: bool) -> Option<String> {
+    fn lost_energy(
+        &mut self,
+        model: &Model,
+        state: &State,
+        (seen, survey): (&StepOutcome, &Survey),
+        is_switched: bool,
+    ) -> Option<String> {
         /// Steps of free fall whose speed is that of the start, when links begin to carry.
         const START: f64 = 30.0;
         /// Turn in a step that it resolves, rad.
         const RESOLVED: f64 = 0.03;
-        let can_lose = is_caused
+        let can_lose = is_switched
             || model.joints.is_empty()
             || !model.springs.is_empty()
             || model.joints.iter().any(|j| j.limits.is_some() && j.locked_at().is_none())
@@ -375,16 +391,17 @@ impl WatchState {
             self.kept = None;
             return None;
         }
-        let energy = survey.kinetic + survey.potential;
-        let [most, fastest, turned] = self.kept.unwrap_or([f64::NEG_INFINITY, 0.0, 0.0]);
+        let energy = survey.kinetic + survey.potential - state.work();
+        let [most, fastest, turned, before] = self.kept.unwrap_or([f64::NEG_INFINITY, 0.0, 0.0, 0.0]);
         let on_joints = model.joints.iter().flat_map(|joint| joint.bodies);
         let rates = on_joints.map(|b| state.angular_velocity[b as usize].length());
         let turned = (model.step * rates.fold(0.0, f64::max)).max(turned);
         let (most, fastest) = (most.max(energy - survey.oscillation), fastest.max(survey.kinetic));
-        self.kept = Some([most, fastest, turned]);
+        let doubt = before + doubt(model, state, seen);
+        self.kept = Some([most, fastest, turned, doubt]);
         let slow = START * residual_bound(model);
         let loss = most - energy - survey.oscillation;
-        if !(loss > ENERGY_LOSS * fastest + 0.5 * survey.mass * slow * slow) {
+        if !(loss > ENERGY_LOSS * fastest + doubt + 0.5 * survey.mass * slow * slow) {
             return None;
         }
         self.kept = None;
@@ -423,40 +440,21 @@ impl WatchState {
         depth > OVERLAP * least
     }
 
-    /// Whether the step may have added energy.
-    fn is_caused(&mut self, model: &Model, state: &State, mass: f64) -> bool {
-        let (end, h) = (state.time, model.step);
-        let middle = end - 0.5 * h;
-        let changes = |f: &Function| f.at(end) != f.at(end - h);
-        let loaded = model.loads.iter().any(|l| l.acts(middle));
-        let driven = model.joints.iter().any(|j| {
-            let is_motor_on = j.motor.as_ref().is_some_and(|motor| motor.is_on(middle));
-            j.acts(end - h) && (is_motor_on || changes(&j.length))
-        });
-        let tensioned = model.springs.iter().any(|s| s.acts(end - h) && changes(&s.preload));
-        let acting = acting(model, end - h);
-        let switched = acting != self.acting || mass != self.mass;
+    /// Whether a body has appeared or begun to move, or a joint or spring has begun or ended to act, in the step.
+    fn is_switched(&mut self, model: &Model, state: &State, mass: f64) -> bool {
+        let acting = acting(model, state.time - model.step);
+        let is_switched = acting != self.acting || mass != self.mass;
         if mass != self.mass {
             (self.mass, self.by_size) = (mass, energy_by_size(model, state));
         }
         self.acting = acting;
-        loaded || driven || tensioned || switched
+        is_switched
     }
 }
 
 /// Whether each joint, then each spring, acts at a time, s.
 fn acting(model: &Model, t: f64) -> Vec<bool> {
     model.joints.iter().map(|j| j.acts(t)).chain(model.springs.iter().map(|s| s.acts(t))).collect()
-}
-
-/// Elastic energy of a spring, J: of its stiffness and of a constant preload.
-fn elastic_energy(model: &Model, state: &State, spring: usize) -> f64 {
-    let s = &model.springs[spring];
-    if !s.acts(state.time - model.step) || s.bodies.iter().any(|b| state.is_inactive(*b as usize)) {
-        return 0.0;
-    }
-    let stretch = state.springs[spring].coordinate - s.rest;
-    0.5 * s.stiffness * stretch * stretch + s.preload.at(state.time) * stretch
 }
 
 fn broken(seen: &StepOutcome, survey: &Survey) -> Option<Broken> {

@@ -21,7 +21,6 @@ use crate::plan::StepPlan;
 use crate::rows::fill_rows;
 use crate::state::State;
 use crate::twist::Twist;
-use glam::DVec3;
 
 /// The stage.
 pub fn run(model: &Model, plan: &StepPlan, state: &State, masses: &mut Masses, free: &mut Vec<Twist>) {
@@ -50,12 +49,7 @@ pub fn apply(model: &Model, state: &State, masses: &Masses, free: &mut [Twist]) 
         if state.is_inactive(b) {
             continue;
         }
-        let vector = load.vector(middle, state.orientation[b] * model.body_frame[b].orientation);
-        let (force, torque) = if load.torque {
-            (DVec3::ZERO, vector)
-        } else {
-            (vector, (state.orientation[b] * load.point).cross(vector))
-        };
+        let (force, torque) = load.wrench(middle, state.orientation[b], model.body_frame[b].orientation);
         masses.apply_impulse(free, load.body, force * h, torque * h);
     }
     for joint in &model.joints {

@@ -20,6 +20,7 @@ use crate::model::Model;
 use crate::outcome::{JointErrors, StepOutcome};
 use crate::state::{Activity, State};
 use crate::twist::Twist;
+use crate::work::{self, Span};
 use glam::DVec3;
 
 /// Number of steps within which a coordinate must be able to reach a limit for the limit to have a row.
@@ -213,8 +214,31 @@ fn are_present(state: &State, bodies: [u32; 2]) -> bool {
     !bodies.clone().any(|b| state.is_inactive(b)) && bodies.any(|b| state.moves(b))
 }
 
-/// Record the states of the joints and springs: reactions, those of limits included, coordinates, violations. Runs before the poses change.
+/// Record the states of the joints and springs: reactions, those of limits included, coordinates, violations, and the work of what drives the
+/// model. Runs before the poses change.
 pub fn record(
+    model: &Model,
+    state: &mut State,
+    rows: (&[u32], &Joints),
+    limits: &Limits,
+    response: &Response,
+    outcome: &mut StepOutcome,
+) {
+    (outcome.joints, outcome.spring_oscillation, outcome.work) = (JointErrors::default(), 0.0, 0.0);
+    let motion = &response.twist;
+    let of_loads: f64 = Span { state, motion }.of_loads(model).inspect(|work| outcome.work += work.abs()).sum();
+    state.load_work += of_loads;
+    record_joints(model, state, rows, limits, response, outcome);
+    record_springs(model, state, motion, outcome);
+}
+
+/// Whether two bodies keep the last forces between them: one sleeps, and none moves.
+fn sleep(state: &State, bodies: [u32; 2]) -> bool {
+    let is = |activity: Activity| bodies.iter().any(|b| state.activity[*b as usize] == activity);
+    is(Activity::Asleep) && !is(Activity::Moving)
+}
+
+fn record_joints(
     model: &Model,
     state: &mut State,
     (start, joints): (&[u32], &Joints),
@@ -224,14 +248,8 @@ pub fn record(
 ) {
     let h = model.step;
     let motion = &response.twist;
-    (outcome.joints, outcome.spring_oscillation) = (JointErrors::default(), 0.0);
-    // What sleeps keeps its last forces.
-    let sleeps = |state: &State, bodies: [u32; 2]| {
-        let is = |activity: Activity| bodies.iter().any(|b| state.activity[*b as usize] == activity);
-        is(Activity::Asleep) && !is(Activity::Moving)
-    };
     for (i, joint) in model.joints.iter().enumerate() {
-        if sleeps(state, joint.bodies) {
+        if sleep(state, joint.bodies) {
             continue;
         }
         let f = state.joint_frames(joint);
@@ -242,6 +260,7 @@ pub fn record(
             coordinate: joint.coordinate(&f, &known),
             force_before: known.force_world,
             motor_side: joints.motors.of_joint(i as u32).map_or(0.0, |motor| motor.side),
+            work: known.work,
             ..JointState::default()
         };
         if let Some(c) = joint.kind.coordinate() {
@@ -253,6 +272,21 @@ pub fn record(
             now.rate = row.speed_in(motion);
             now.coordinate += h * now.rate;
         }
+        let mut drive = |row: &Row, impulse: f64| {
+            let work = impulse * Span { state, motion }.mean_speed(row);
+            now.effort += impulse / h;
+            now.work += work;
+            outcome.work += work.abs();
+        };
+        for (k, row) in rows.iter().enumerate().filter(|(k, _)| joint.drives(*k, rows.len())) {
+            drive(row, lambda[k]);
+        }
+        let is_inactive = joint.bodies.iter().any(|b| state.is_inactive(*b as usize));
+        let effort = if joint.acts(state.time) && !is_inactive { joint.effort(state.time + 0.5 * h) } else { 0.0 };
+        let given = joint.kind.coordinate().filter(|_| effort != 0.0).map(|c| (joint.free_row(&f, c), h * effort));
+        if let Some((row, impulse)) = &given {
+            drive(row, *impulse);
+        }
         for (k, row) in rows.iter().enumerate() {
             let (error, is_motor) = joint.error(row, k, rows.len(), state.time, state.time + h);
             now.violation = error.max(now.violation);
@@ -260,37 +294,42 @@ pub fn record(
                 outcome.joints.add(i, row, error);
             }
         }
-        (now.force_world, now.torque_world) = f.reaction(rows, lambda, h);
-        let is_inactive = joint.bodies.iter().any(|b| state.is_inactive(*b as usize));
-        let effort = if joint.acts(state.time) && !is_inactive { joint.effort(state.time + 0.5 * h) } else { 0.0 };
-        if let Some(c) = joint.kind.coordinate().filter(|_| effort != 0.0) {
-            let (force, torque) = f.reaction(&[joint.free_row(&f, c)], &[h * effort], h);
+        let limit = limits.joint.partition_point(|j| *j < i as u32)..limits.joint.partition_point(|j| *j <= i as u32);
+        let mut add = |rows: &[Row], impulses: &[f64]| {
+            let (force, torque) = f.reaction(rows, impulses, h);
             now.force_world += force;
             now.torque_world += torque;
-        }
-        let of = limits.joint.partition_point(|j| *j < i as u32)..limits.joint.partition_point(|j| *j <= i as u32);
-        let (force, torque) = f.reaction(&limits.rows[of.clone()], &limits.impulse[of], h);
-        now.force_world += force;
-        now.torque_world += torque;
+        };
+        add(rows, lambda);
+        given.iter().for_each(|(row, impulse)| add(&[*row], &[*impulse]));
+        add(&limits.rows[limit.clone()], &limits.impulse[limit]);
         let into = f.a.orientation.inverse();
         (now.force, now.torque) = (into * now.force_world, into * now.torque_world);
         state.joints[i] = now;
     }
+}
+
+fn record_springs(model: &Model, state: &mut State, motion: &[Twist], outcome: &mut StepOutcome) {
+    let h = model.step;
     for (i, spring) in model.springs.iter().enumerate() {
-        if sleeps(state, spring.bodies) {
+        if sleep(state, spring.bodies) {
             continue;
         }
         let f = state.spring_frames(spring);
+        let known = state.springs[i];
         let acts = spring.acts(state.time) && !spring.bodies.iter().any(|b| state.is_inactive(*b as usize));
-        let rows = || spring.rows(&f, &state.springs[i]).map(|row| (row.psi, row.speed_in(motion)));
+        let rows = || spring.rows(&f, &known).map(|row| (row.psi, row.speed_in(motion)));
+        let mut work = 0.0;
         if acts {
             let power = |(psi, speed): (f64, f64)| (spring.tension(psi, state.time + h) * speed).abs();
             outcome.spring_oscillation += h * rows().map(power).sum::<f64>();
+            work = work::of_preload(model, state, i, &known);
+            outcome.work += work.abs();
         }
         let force = |(psi, speed): (f64, f64)| spring.tension(psi, state.time + h) + spring.damping * speed;
         let force = if acts { spring.coordinate(rows().map(force)) } else { 0.0 };
         let coordinate = spring.coordinate(rows().map(|(psi, speed)| psi + h * speed));
-        state.springs[i] = SpringState { force, force_before: state.springs[i].force, coordinate };
+        state.springs[i] = SpringState { force, force_before: known.force, coordinate, work: known.work + work };
     }
 }
 

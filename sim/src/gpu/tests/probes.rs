@@ -53,7 +53,7 @@ fn lines_of_probes_are_those_of_the_state() {
             let of_state = probe_line(&own.model, &own.state, &probes, &sums);
             let numbers = |line: &str| -> Vec<f64> { line.trim().split(',').map(|x| x.parse().unwrap()).collect() };
             let (a, b) = (numbers(&line), numbers(&of_state));
-            let n_sums = 4 + 4 * probes.contacts.len();
+            let n_sums = 4 + own.model.joints.len() + 4 * probes.contacts.len();
             let n_own = a.len() - n_sums;
             // What is known of bodies and joints is the same; sums are those of single precision.
             assert_eq!(a[..n_own], b[..n_own]);
