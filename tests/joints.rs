@@ -495,3 +495,39 @@ springs:
         close(spring.coordinate, below, 1e-3, "length");
     }
 }
+
+/// Bodies of a joint that begins or ends touch each other while it does not act, on from a checkpoint too.
+#[test]
+fn bodies_touch_while_their_joint_does_not_act() {
+    let model = |joint: &str| {
+        simulation(&format!(
+            "quality: normal
+materials: {{m: {{density: 1000, friction: 0.5}}}}
+bodies:
+  - {{name: ground, material: m, plane: {{normal: [0, 0, 1]}}}}
+  - {{name: a, material: m, box: {{size: [0.2, 0.2, 0.2]}}, position: [0, 0, 0.1]}}
+  - {{name: b, material: m, box: {{size: [0.2, 0.2, 0.2]}}, position: [0, 0, 0.3]}}
+  - {{name: c, material: m, box: {{size: [0.2, 0.2, 0.2]}}, position: [0, 0, 0.5]}}
+joints: [{{name: j, kind: fixed, a: a, b: b, position: [0, 0, 0.2], {joint}}}]
+"
+        ))
+    };
+    for joint in ["from: 0.2", "until: 0.2", "from: 0.1, until: 0.3"] {
+        let mut sim = model(joint);
+        let mut other = None;
+        while sim.state.time < 0.6 {
+            let report = sim.step();
+            assert!(report.warnings.is_empty(), "{joint}: {:?}", report.warnings);
+            if sim.state.steps == 20 {
+                other = Some(sim::Simulation::new(model(joint).model, sim.state.clone()));
+            }
+        }
+        let heights: Vec<f64> = sim.state.position[1..].iter().map(|p| p.z).collect();
+        assert!(heights.iter().zip([0.1, 0.3, 0.5]).all(|(z, at)| (z - at).abs() < 1e-4), "{joint}: {heights:?}");
+        let mut other = other.expect("a run that goes on");
+        while other.state.steps < sim.state.steps {
+            other.step();
+        }
+        assert_eq!(other.state.position, sim.state.position, "{joint}");
+    }
+}

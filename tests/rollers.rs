@@ -158,3 +158,42 @@ fn crossed_logs_stay_as_they_are() {
         assert!(moved < 5e-5, "{shape}: {moved} m in ten seconds");
     }
 }
+
+/// The seams of a flat mesh are no edges to what lies on its side and slides over them.
+#[test]
+fn what_is_round_does_not_feel_the_seams_of_a_flat_mesh() {
+    let work = tempfile::tempdir().unwrap();
+    let obj = work.path().join("flat.obj");
+    let mut text = String::new();
+    const N: usize = 40;
+    for k in 0..(N + 1) * (N + 1) {
+        let [x, y] = [k % (N + 1), k / (N + 1)].map(|i| 0.2 * i as f64 - 4.0);
+        text += &format!("v {x} {y} 0\n");
+    }
+    for k in 0..N * N {
+        let a = k / N * (N + 1) + k % N + 1;
+        let [b, c, d] = [a + 1, a + N + 2, a + N + 1];
+        text += &format!("f {a} {b} {c}\nf {a} {c} {d}\n");
+    }
+    std::fs::write(&obj, text).unwrap();
+    for shape in ["cylinder", "capsule", "cone"] {
+        for quality in ["normal", "tight"] {
+            let mut sim = simulation(&format!(
+                "quality: {quality}
+materials: {{m: {{density: 1000, friction: 0}}}}
+bodies:
+  - {{name: ground, material: m, fixed: true, mesh: {{file: {}}}}}
+  - {{name: b, material: m, position: [-3, 0.3, 0.04], rotate: {{axis: [1, 0, 0], angle: 90}}, velocity: [2, 0.1, 0], {shape}: {{radius: 0.04, length: 0.06}}}}
+",
+                obj.display()
+            ));
+            let mut most = 0.0f64;
+            while sim.state.time < 1.5 {
+                sim.step();
+                most = most.max(sim.state.position[1].z);
+            }
+            let speed = sim.state.velocity[1].x;
+            assert!((speed - 2.0).abs() < 2e-3 && most < 0.0401, "{shape} {quality}: {speed} m/s, up to {most} m");
+        }
+    }
+}

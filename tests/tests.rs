@@ -62,6 +62,7 @@ mod solids;
 mod solver;
 mod specification;
 mod stages;
+mod standing;
 mod tables;
 mod terrain;
 mod tidy;

@@ -95,6 +95,8 @@ pub struct Joint {
     pub from: f64,
     /// Time until which it acts, s, exclusive.
     pub until: f64,
+    /// Whether the two bodies touch each other while it acts.
+    pub collides: bool,
 }
 
 /// Along or about what a spring acts.
@@ -309,6 +311,12 @@ pub enum Coordinate {
 }
 
 impl Joint {
+    /// The pair of bodies that do not touch each other while the joint acts, the lower id first; none where they do.
+    pub fn exclusion(&self) -> Option<[u32; 2]> {
+        let [a, b] = self.bodies;
+        (!self.collides).then_some([a.min(b), a.max(b)])
+    }
+
     /// Whether the joint acts at a time, s.
     pub fn acts(&self, t: f64) -> bool {
         t >= self.from && t < self.until

@@ -53,6 +53,7 @@ mod simulation;
 pub mod sleep;
 mod sleepers;
 mod sphere;
+mod spring_rates;
 pub mod stages;
 mod state;
 mod swing;

@@ -100,7 +100,7 @@ pub struct Model {
     pub group_names: Vec<String>,
     /// Whether two groups pass through each other, row by row (n_groups²).
     pub groups_pass: Vec<bool>,
-    /// Collision exclusions: pairs of bodies without contacts, as those that a joint connects; the lower id first, sorted.
+    /// Collision exclusions of the next step: pairs of bodies without contacts, as those that a joint connects; the lower id first, sorted.
     pub exclusions: Vec<[u32; 2]>,
 
     /// Joints.
@@ -120,6 +120,22 @@ impl Model {
     /// Number of shapes.
     pub fn n_shapes(&self) -> usize {
         self.shape_body.len()
+    }
+
+    /// Whether a joint whose bodies do not touch each other begins or ends to act between steps that begin at `before` and `now`, s.
+    pub fn excludes_others(&self, [before, now]: [f64; 2]) -> bool {
+        self.joints.iter().any(|joint| !joint.collides && joint.acts(now) != joint.acts(before))
+    }
+
+    /// Set the collision exclusions to those of the joints that act at time `t`, s. Returns whether they are others.
+    pub fn exclude(&mut self, t: f64) -> bool {
+        let acting = self.joints.iter().filter(|joint| joint.acts(t));
+        let mut exclusions: Vec<[u32; 2]> = acting.filter_map(|joint| joint.exclusion()).collect();
+        exclusions.sort_unstable();
+        exclusions.dedup();
+        let is_other = exclusions != self.exclusions;
+        self.exclusions = exclusions;
+        is_other
     }
 
     /// Index into `laws` of the contact law of shapes `s` and `t`.

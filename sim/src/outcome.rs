@@ -90,6 +90,8 @@ pub struct StepOutcome {
     /// Bound of the energy oscillation of springs that are integrated explicitly, J: the sum of h |F·v| with the step h, the force F
     /// and its velocity v.
     pub spring_oscillation: f64,
+    /// Elastic energy of what springs stretch in the step, from rest, J: what their forces change by in it adds to that oscillation.
+    pub spring_stretch: f64,
     /// Work of motors, actuators, loads and changing preloads, J: the sum of the sizes.
     pub work: f64,
     /// What the joints bend.
@@ -113,6 +115,7 @@ impl StepOutcome {
             worst,
             joints: self.joints.and(next.joints),
             spring_oscillation: self.spring_oscillation.max(next.spring_oscillation),
+            spring_stretch: self.spring_stretch.max(next.spring_stretch),
             work: self.work + next.work,
             bend: self.bend.and(next.bend),
             ..next

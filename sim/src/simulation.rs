@@ -97,8 +97,8 @@ impl Simulation {
         Simulation::on_cpu(model, state, Cpu::before_device())
     }
 
-    fn on_cpu(model: Model, state: State, cpu: Cpu) -> Simulation {
-        let (state, plan) = begin(&model, state);
+    fn on_cpu(mut model: Model, state: State, cpu: Cpu) -> Simulation {
+        let (state, plan) = begin(&mut model, state);
         let mut cpu = Box::new(cpu);
         cpu.prepare(&model, &state, &plan);
         Simulation { model, state, plan, engine: Engine::Cpu(cpu) }
@@ -117,8 +117,13 @@ impl Simulation {
     ///
     /// # Errors
     /// Those of [`Simulation::on_device`].
-    pub fn on_device_from(from: Stage, model: Model, state: State, device: gpu::Device) -> Result<Simulation, Fault> {
-        let (state, plan) = begin(&model, state);
+    pub fn on_device_from(
+        from: Stage,
+        mut model: Model,
+        state: State,
+        device: gpu::Device,
+    ) -> Result<Simulation, Fault> {
+        let (state, plan) = begin(&mut model, state);
         let gpu = Box::new(Gpu::new(device, &model, &state, (&plan, from))?);
         let engine = if from == Stage::Bounds {
             Engine::Gpu(gpu)
@@ -242,8 +247,17 @@ impl Simulation {
 
     fn advance(&mut self, is_checked: bool) -> Result<StepReport, StepFault> {
         let Simulation { model, state, plan, engine } = self;
-        let has_changed = state.wake(model);
-        let has_woken = sleep::rouse_driven(model, state, has_changed);
+        let times = [start_of_last(model, state), state.time];
+        let excludes_others = model.excludes_others(times) && model.exclude(state.time);
+        if excludes_others {
+            // Pairs of other bodies are looked for.
+            if let Engine::Gpu(gpu) | Engine::Split(_, gpu) = engine {
+                gpu.fetch(model, state)?;
+            }
+            state.fat_aabb = None;
+        }
+        let has_changed = state.wake(model) || excludes_others;
+        let has_woken = sleep::rouse_driven(model, state, has_changed) || excludes_others;
         if has_woken || has_changed || !plan.is_current(model) {
             *plan = StepPlan::resolve(model, state);
             match engine {
@@ -308,8 +322,17 @@ impl Simulation {
     }
 }
 
+/// Time at which the last step began, s; of the start that of one before it.
+fn start_of_last(model: &Model, state: &State) -> f64 {
+    (state.steps as f64 - 1.0) * model.step
+}
+
 /// The state with which a simulation begins, and its plan.
-fn begin(model: &Model, mut state: State) -> (State, StepPlan) {
+fn begin(model: &mut Model, mut state: State) -> (State, StepPlan) {
+    if state.steps > 0 {
+        // Those of the last step, whose contacts the state has.
+        model.exclude(start_of_last(model, &state));
+    }
     state.joints.resize(model.joints.len(), JointState::default());
     state.springs.resize(model.springs.len(), SpringState::default());
     // What a later state wakes is woken by its step, as in a run that goes on.

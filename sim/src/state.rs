@@ -56,6 +56,9 @@ pub struct State {
     pub springs: Vec<SpringState>,
     /// Work of the loads so far, J.
     pub load_work: f64,
+    /// Whether bodies have appeared or begun to move in the step that begins, or began last.
+    #[serde(skip)]
+    pub has_arrivals: bool,
     /// Kinetic and potential energy of the bodies that have appeared or begun to move, as they did, J.
     pub arrived: f64,
     /// Step length of the last APGD solve, from which the next one starts; 0 before the first.
@@ -131,6 +134,7 @@ impl State {
     pub fn wake(&mut self, model: &Model) -> bool {
         let now = self.time + 0.5 * model.step;
         let mut has_changed = false;
+        self.has_arrivals = false;
         if self.activity.len() != model.n_bodies() {
             let of = |inv_mass: &f64| if *inv_mass > 0.0 { Activity::Moving } else { Activity::Held };
             self.activity = model.inv_mass.iter().map(of).collect();
@@ -152,6 +156,7 @@ impl State {
             let comes = activity == Activity::Moving && !self.is_free(b);
             self.activity[b] = activity;
             if comes {
+                self.has_arrivals = true;
                 self.arrived += self.kinetic_energy_of(model, b) + self.potential_energy_of(model, b);
             }
         }

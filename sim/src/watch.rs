@@ -2,7 +2,7 @@
 //!
 //! | warning | when |
 //! |---|---|
-//! | residual | the step's residual is above 100 tolerances and above gravity times step size |
+//! | residual | the step's residual is above 100 tolerances and above gravity times step size, or without gravity a thousandth of the speeds' root mean square |
 //! | joint | the error of a locked motion is above a thousandth of the initial bounding box's diagonal, or a hundredth of a radian |
 //! | motor | a driven rate is off by more than a hundredth of what is prescribed, and by more than half of it or what gives five times the error above in 1 s; or a driven coordinate by more than that error |
 //! | energy | kinetic, potential and elastic energy have grown by more than a tenth of the available energy beyond what motors and loads have given; or while nothing but joints, motors and loads acted, they have fallen by more than a tenth of the maximum kinetic energy below that |
@@ -48,6 +48,8 @@ const SLOWEST: f64 = 1e-3;
 const ENERGY_GROWTH: f64 = 0.1;
 /// Tolerance of energy that joints lose, over the maximum kinetic energy.
 const ENERGY_LOSS: f64 = 0.1;
+/// What the change of springs' forces within a step adds to the oscillation of energy, at most, over the kinetic energy: what is more is unstable.
+const STRETCHED: f64 = 0.2;
 /// Tolerance of both, over the work that was given and taken meanwhile.
 const OF_WORK: f64 = 0.01;
 
@@ -57,6 +59,14 @@ const OVERLAP: f64 = 0.5;
 /// [`SolverSettings::residual_bound`](crate::settings::SolverSettings::residual_bound) of a model's steps, m/s.
 pub fn residual_bound(model: &Model) -> f64 {
     model.solver.residual_bound(model.gravity.length() * model.step)
+}
+
+/// The residual that counts as little without gravity, m/s: a part of the root mean square of the speeds; 0 with gravity.
+fn speed_bound(model: &Model, survey: &Survey) -> f64 {
+    /// The part.
+    const PART: f64 = 1e-3;
+    let is_weightless = model.gravity == DVec3::ZERO && survey.mass > 0.0;
+    if is_weightless { PART * (2.0 * survey.kinetic / survey.mass).sqrt() } else { 0.0 }
 }
 
 /// What the error of the work that was given in a step may come to, J: a part of it, and what drives the model at the error of velocities.
@@ -204,7 +214,7 @@ impl WatchState {
         }
         let is_switched = self.is_switched(model, state, survey.mass);
         let found = [
-            self.residual(model, seen).map(|m| (WarningKind::Residual, m)),
+            self.residual(model, (seen, survey)).map(|m| (WarningKind::Residual, m)),
             self.joint(model, state, seen).map(|m| (WarningKind::Joint, m)),
             self.motor(model, state).map(|m| (WarningKind::Motor, m)),
             self.energy(model, state, (seen, survey), is_switched)
@@ -226,8 +236,8 @@ impl WatchState {
         }
     }
 
-    fn residual(&self, model: &Model, seen: &StepOutcome) -> Option<String> {
-        let (residual, bound) = (seen.solver.residual, residual_bound(model));
+    fn residual(&self, model: &Model, (seen, survey): (&StepOutcome, &Survey)) -> Option<String> {
+        let (residual, bound) = (seen.solver.residual, residual_bound(model).max(speed_bound(model, survey)));
         (residual > bound).then(|| {
             let at = seen.worst.map_or(String::new(), |[a, b]| {
                 format!("; it is greatest between body {} and body {}", label(model, a), label(model, b))
@@ -337,7 +347,8 @@ impl WatchState {
     ) -> Option<String> {
         let elastic = state.elastic_energy(model);
         let energy = survey.kinetic + survey.potential + elastic - state.work();
-        let oscillation = survey.oscillation + seen.spring_oscillation;
+        let of_springs = seen.spring_oscillation + seen.spring_stretch.min(STRETCHED * survey.kinetic);
+        let oscillation = survey.oscillation + of_springs;
         let upper = energy + oscillation;
         if is_switched || upper < self.min_energy {
             (self.min_energy, self.doubt) = (upper, 0.0);

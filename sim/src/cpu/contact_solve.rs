@@ -159,8 +159,7 @@ fn solve_once(
     work: &mut Workspace,
 ) -> (Outcome, Option<[u32; 2]>) {
     let n = contacts.len();
-    let has_no_impulses = || n > 0 && contacts.impulse.iter().all(|impulse| *impulse == DVec3::ZERO);
-    let (method, settings) = match plan.start().filter(|_| has_no_impulses()) {
+    let (method, settings) = match plan.start().filter(|_| begins(model, state, contacts)) {
         Some(start) => {
             support::fill(model, state, contacts);
             start
@@ -203,6 +202,7 @@ fn solve_once(
         offset_without_slip: &work.offset_without_slip,
         last_slip: &work.last_slip,
         least_slip: model.gravity.length() * model.step,
+        down: model.gravity.normalize_or_zero(),
         eta: &work.eta,
         envelope: model.envelope,
     };
@@ -226,6 +226,20 @@ fn solve_once(
     let n_limits = limits.len();
     work.gamma = keep(gamma, contacts, (limit_impulse, n_limits), plan.rolls);
     (outcome, worst)
+}
+
+/// Whether a step is solved from the start: no contact has an impulse yet, or bodies have come that stand on each other, so that a good part of the
+/// contacts are closed and have none.
+fn begins(model: &Model, state: &State, contacts: &Contacts) -> bool {
+    /// The part of the contacts.
+    const PART: f64 = 0.25;
+    let has_none = |i: &usize| contacts.impulse[*i] == DVec3::ZERO;
+    if (0..contacts.len()).all(|i| has_none(&i)) {
+        return !contacts.is_empty();
+    }
+    let closed = Recovery::of(model).least;
+    let is_new = |i: &usize| has_none(i) && contacts.gap[*i] <= closed;
+    state.has_arrivals && (0..contacts.len()).filter(is_new).count() as f64 > PART * contacts.len() as f64
 }
 
 /// The multipliers that a solve with `n_limits` limits begins with: those in the columns of the contacts. Takes the memory.

@@ -224,7 +224,8 @@ pub fn record(
     response: &Response,
     outcome: &mut StepOutcome,
 ) {
-    (outcome.joints, outcome.spring_oscillation, outcome.work) = (JointErrors::default(), 0.0, 0.0);
+    (outcome.joints, outcome.work) = (JointErrors::default(), 0.0);
+    (outcome.spring_oscillation, outcome.spring_stretch) = (0.0, 0.0);
     let motion = &response.twist;
     let of_loads: f64 = Span { state, motion }.of_loads(model).inspect(|work| outcome.work += work.abs()).sum();
     state.load_work += of_loads;
@@ -322,6 +323,8 @@ fn record_springs(model: &Model, state: &mut State, motion: &[Twist], outcome: &
         let mut work = 0.0;
         if acts {
             let power = |(psi, speed): (f64, f64)| (spring.tension(psi, state.time + h) * speed).abs();
+            let stretch2: f64 = rows().map(|(_, speed)| (h * speed) * (h * speed)).sum();
+            outcome.spring_stretch += 0.5 * spring.stiffness * stretch2;
             outcome.spring_oscillation += h * rows().map(power).sum::<f64>();
             work = work::of_preload(model, state, i, &known);
             outcome.work += work.abs();

@@ -138,8 +138,10 @@ fn triangle_points(a: Placed, b: Placed, bits: u32, over: f32, reach: f32) -> u3
         found[0].feature = 0u;
         return select(0u, 1u, is_convex || is_face);
     }
-    if !is_convex && tilt <= 0.99 {
-        // Edges that do not stand out are no features: a contact on one is a contact on the face.
+    let is_round = a.kind == CAPSULE || a.kind == CYLINDER || a.kind == CONE;
+    if !is_convex && !select(tilt > 0.99, is_face, is_round) {
+        // Edges that do not stand out are no features: a contact on one is a contact on the face. What is round would feel the edge ahead of it by any
+        // tilt.
         if deepest.w > reach || is_other {
             return 0u;
         }

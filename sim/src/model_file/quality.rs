@@ -10,6 +10,7 @@ use crate::joint::{Coordinate, Joint, Motor};
 use crate::model::Model;
 use crate::plan::{Narrow, coheres, has_joints};
 use crate::settings::{FrictionLaw, Method, Quality, SolverSettings};
+use crate::spring_rates;
 use crate::state::State;
 use frame::Fault;
 use frame::yaml::Document;
@@ -101,7 +102,7 @@ impl Choice {
                 iterations: Some(count(15, 15, 40)),
                 start_iterations: Some(count(2000, 2000, 4000)),
                 overlap: None,
-                settles: quality != Draft,
+                settles: true,
                 tolerance: 1e-9,
                 omega: Some(1.3),
                 recovery: None,
@@ -136,6 +137,8 @@ struct Scale {
     speed: f64,
     /// Greatest rate at which what is on joints turns at the start, or is driven, rad/s.
     turning: f64,
+    /// Greatest rate at which springs let bodies swing, rad/s.
+    swinging: f64,
     /// Number of shapes that move.
     n_shapes: usize,
 }
@@ -169,7 +172,17 @@ fn turn(quality: Quality) -> f64 {
     }
 }
 
-/// The least share of a step to which turning makes it shorter: motors that are far too fast by mistake are to be seen within a bearable time.
+/// Angle by which springs may let bodies swing in a step, rad: their energy swings by half of that, over the greatest.
+fn swing(quality: Quality) -> f64 {
+    match quality {
+        Quality::Draft => 0.3,
+        Quality::Normal => 0.15,
+        Quality::Tight => 0.05,
+    }
+}
+
+/// The least share of a step to which turning and springs make it shorter: motors that are far too fast by mistake are to be seen within a bearable
+/// time, and springs that are far too stiff hold as if they were rigid.
 const SHORTEST: f64 = 1.0 / 16.0;
 
 /// Greatest rate at which bodies on joints turn at the start, or motors turn them, rad/s.
@@ -188,7 +201,8 @@ fn turning(model: &Model, state: &State) -> f64 {
 
 impl Scale {
     fn of(model: &Model, state: &State) -> Scale {
-        let mut awake = state.clone();
+        // Those that come later, too.
+        let mut awake = State { time: f64::INFINITY, ..state.clone() };
         awake.wake(model);
         let kind = match Narrow::of(model, &awake) {
             _ if has_joints(model) || carries_loads(model, &awake) => Kind::Any,
@@ -208,6 +222,7 @@ impl Scale {
             gravity: if gravity > 0.0 { gravity } else { 9.81 },
             speed,
             turning: turning(model, state),
+            swinging: spring_rates::rates(model, state).iter().fold(0.0, |most, rate| rate.most.max(most)),
             n_shapes: (0..model.n_shapes()).filter(moves).count(),
         }
     }
@@ -216,13 +231,15 @@ impl Scale {
 impl Quality {
     /// The step, s, and the settings of the solver that the level chooses for a model and its initial state; for a `given` step, s, if there is one.
     pub fn settings(self, model: &Model, state: &State, given: Option<f64>) -> (f64, SolverSettings) {
-        let Scale { kind, radius, gravity, speed, turning, n_shapes } = Scale::of(model, state);
+        let Scale { kind, radius, gravity, speed, turning, swinging, n_shapes } = Scale::of(model, state);
         let starts = kind != Kind::Grains || n_shapes <= FEW_GRAINS;
         let choice = Choice::of(self, kind);
         let by_speed = if speed > 0.0 { way(self) * radius / speed } else { f64::INFINITY };
         let by_size = (choice.step * (radius / gravity).sqrt()).min(choice.longest);
-        let by_turning = if turning > 0.0 { (turn(self) / turning).max(SHORTEST * by_size) } else { f64::INFINITY };
-        let chosen = by_size.min(by_speed).min(by_turning);
+        let by_rate =
+            |angle: f64, rate: f64| if rate > 0.0 { (angle / rate).max(SHORTEST * by_size) } else { f64::INFINITY };
+        let by_rates = by_rate(turn(self), turning).min(by_rate(swing(self), swinging));
+        let chosen = by_size.min(by_speed).min(by_rates);
         let step = given.unwrap_or(chosen);
         let open = SolverSettings::default();
         let fall = gravity * step * step;

@@ -8,7 +8,7 @@ mod loads;
 mod probes;
 mod start;
 
-use super::shape::{self, Shape, direction, finite, not_negative, orientation, positive};
+use super::shape::{self, Shape, at_most_one, direction, finite, not_negative, orientation, positive};
 use super::types::*;
 use super::{Probes, Resolved};
 use crate::checkpoint;
@@ -59,6 +59,7 @@ impl ModelFile {
         let (mut resolved, keys) = self.build(doc)?;
         start::overlaps(&mut resolved, doc, &keys)?;
         start::jumps(&mut resolved, doc, &keys);
+        start::stiff_springs(&mut resolved, doc, &keys);
         Ok(resolved)
     }
 
@@ -183,9 +184,7 @@ impl ModelFile {
             ] {
                 not_negative(doc, &key(part), value)?;
             }
-            if m.restitution > 1.0 {
-                return Err(doc.fault(&key("restitution"), format!("is {}, expected 0 to 1", m.restitution)));
-            }
+            at_most_one(doc, &key("restitution"), m.restitution)?;
         }
         Ok(())
     }
@@ -200,7 +199,6 @@ struct Builder<'a> {
     state: State,
     materials: BTreeMap<String, MaterialFile>,
     groups_pass: Vec<[u32; 2]>,
-    exclusions: Vec<[u32; 2]>,
     stages: Vec<(String, f64)>,
     keys: Keys,
     /// Bodies, joints and springs that are probed by default.
@@ -290,7 +288,6 @@ impl<'a> Builder<'a> {
             state: State::default(),
             materials: file.materials.clone(),
             groups_pass: vec![],
-            exclusions: vec![],
             stages: vec![],
             keys: Keys::default(),
             probe_bodies: vec![],
@@ -340,10 +337,11 @@ impl<'a> Builder<'a> {
             for (part, value) in parts {
                 not_negative(self.doc, &format!("{key}.{part}"), value.unwrap_or(0.0))?;
             }
+            at_most_one(self.doc, &format!("{key}.restitution"), pair.restitution.unwrap_or(0.0))?;
             for (i, j) in [(index[0], index[1]), (index[1], index[0])] {
                 let law = &mut laws[i * n + j];
                 law.friction = pair.friction.unwrap_or(law.friction);
-                law.restitution = pair.restitution.unwrap_or(law.restitution).min(1.0);
+                law.restitution = pair.restitution.unwrap_or(law.restitution);
                 law.cohesion = pair.cohesion.unwrap_or(law.cohesion);
                 law.rolling = pair.rolling.unwrap_or(law.rolling);
                 law.spinning = pair.spinning.unwrap_or(law.spinning);
@@ -424,9 +422,7 @@ impl<'a> Builder<'a> {
             self.model.groups_pass[*a as usize * n + *b as usize] = true;
             self.model.groups_pass[*b as usize * n + *a as usize] = true;
         }
-        self.exclusions.sort_unstable();
-        self.exclusions.dedup();
-        self.model.exclusions = std::mem::take(&mut self.exclusions);
+        self.model.exclude(0.0);
         self.model.scheduled.sort_by_key(|s| s.body);
         self.choose_envelope()?;
         self.joint_states();

@@ -50,6 +50,13 @@ pub fn not_negative(doc: &Document, key: &str, value: f64) -> Result<(), Fault> 
     Err(doc.fault(key, format!("is {value}, expected a number of at least 0")))
 }
 
+pub fn at_most_one(doc: &Document, key: &str, value: f64) -> Result<(), Fault> {
+    match value <= 1.0 {
+        true => Ok(()),
+        false => Err(doc.fault(key, format!("is {value}, expected 0 to 1"))),
+    }
+}
+
 pub fn finite(doc: &Document, key: &str, values: &[f64]) -> Result<(), Fault> {
     match values.iter().find(|v| !v.is_finite()) {
         Some(v) => Err(doc.fault(key, format!("has a component {v}, expected finite numbers"))),

@@ -4,6 +4,7 @@
 use super::convex::{self, Axis, Convex, Nearest, box_corner, nearest_in_triangle, support_local};
 use super::manifold::{self, Feature, feature};
 use super::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
+use super::rolling::is_curved;
 use crate::ShapeKind;
 use crate::geometry::Surface;
 use glam::DVec3;
@@ -104,6 +105,9 @@ fn spread<I: Iterator<Item = usize>>(
     chosen
 }
 
+/// Sine of the angle between a normal and that of a face from which on they differ, of round shapes.
+const TILTED: f64 = 2e-3;
+
 /// A triangle of a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Triangle {
@@ -151,8 +155,10 @@ pub fn triangle(a: &Placed, triangle: &Triangle, reach: f64, out: &mut Points) -
         out[0] = Point { normal, on_first, on_second, gap, feature: 0 };
         return 1;
     }
-    // Inner edges that are not convex are no features: a contact on one is a contact on the face.
-    let normal = if is_convex || tilt > 0.99 { nearest.normal } else { -face };
+    // Inner edges that are not convex are no features: a contact on one is a contact on the face. What is round would feel the edge ahead of it
+    // by any tilt.
+    let is_along = if is_curved(a.kind) { nearest.normal.cross(face).length() <= TILTED } else { tilt > 0.99 };
+    let normal = if is_convex || (is_along && tilt > 0.0) { nearest.normal } else { -face };
     let nearest = if normal == nearest.normal {
         nearest
     } else {

@@ -168,6 +168,8 @@ pub struct BodyOperator<'a> {
     pub offset_without_slip: &'a [f64],
     /// Slip over μ below which none is fed back: the speed of one step of free fall, m/s.
     pub least_slip: f64,
+    /// The direction of gravity, unit; zero without.
+    pub down: DVec3,
     /// The slip μ |v_t| of the contacts at the velocities of the step's start, m/s (n_contacts; empty for the relaxed law).
     pub last_slip: &'a [f64],
     /// η (n_blocks; empty for sweeps on packed contacts, which do not use it).
@@ -187,6 +189,11 @@ pub enum Block {
 }
 
 impl BodyOperator<'_> {
+    /// η of a contact, whether there is a column of it or not, kg.
+    pub fn eta_of(&self, contact: usize) -> f64 {
+        3.0 / self.masses.trace(self.contacts.bodies[contact].map(|b| b as usize), self.contacts.arms(contact))
+    }
+
     /// The kind of a block.
     #[inline]
     pub fn block(&self, i: usize) -> Block {

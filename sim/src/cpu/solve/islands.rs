@@ -11,6 +11,8 @@
 use super::bodies::BodyOperator;
 use super::cone::project_cone;
 use super::lorentz::{Scaling, longest, product, quotient};
+use super::residual::term;
+use super::response::Response;
 use super::schedule::Blocks;
 use super::sparse::{Factor, Front, Structure, dissection};
 use crate::contacts::tangents;
@@ -39,37 +41,43 @@ const SLIPS: usize = 4;
 const WORK: u64 = 4000;
 /// Bodies of an island, at most.
 const MOST_BODIES: usize = 512;
+/// Bodies of a model up to which all islands are looked at; of more only those in tiles without a fast body, since looking takes a thirtieth of the
+/// step of thousands that fall.
+const FEW_BODIES: usize = 2048;
 
 /// Contacts of slow bodies, in whose islands all that touches is solved, and how well.
 pub struct Slow<'a> {
-    /// Their blocks.
+    /// Blocks that are known to be unsettled.
     pub blocks: Vec<u32>,
     /// The blocks of the step.
     pub all: &'a Blocks,
-    /// The error of the velocities that is allowed, m/s.
+    /// The error of the velocities that is allowed, and the residual of contacts in the root mean square, m/s.
     pub error: f64,
     /// The speeds between which the fastest body of an island is where it is solved, m/s: slower ones come to rest as it is, faster ones are
-    /// still to fall on what they will stand on.
+    /// still to fall on what they will stand on. What all of an island moves sideways does not count as fast: a stack on a sled is as slow as one on
+    /// the ground.
     pub speeds: [f64; 2],
     /// Whether the law of friction is the exact one.
     pub is_exact: bool,
 }
 
-impl Slow<'_> {
-    /// Whether bodies with these velocities are to be solved.
-    fn has(&self, bodies: &[u32], twist: &[Twist]) -> bool {
-        let speed2 = bodies.iter().map(|b| twist[*b as usize].v.length_squared()).fold(0.0, f64::max);
-        let [least, most] = self.speeds.map(|speed| speed * speed);
-        least < speed2 && speed2 <= most
-    }
+/// What is known of the bodies of an island.
+#[derive(Clone, Copy, Default)]
+struct Group {
+    n_bodies: usize,
+    /// Sum of their velocities, m/s.
+    sum: DVec3,
+    /// Their greatest speed, and the greatest beside what all of them move sideways, squared, m²/s².
+    fastest: [f64; 2],
 }
 
 /// Solve the islands of the slow contacts: bodies that hang together by contacts, all of them, since pieces that are solved apart from what they
 /// stand on make the rest sway. The impulses come in as what is found so
-/// far, with the velocities `twist` that they lead to; better ones go out. Returns whether there are any.
-pub fn solve(op: &BodyOperator, slow: &Slow, gamma: &mut [DVec3], twist: &[Twist]) -> bool {
+/// far, with the velocities that they lead to; better ones go out. Returns whether there are any.
+pub fn solve(op: &BodyOperator, slow: &Slow, gamma: &mut [DVec3], response: &Response) -> bool {
     let now = &*gamma;
-    let solved: Vec<Option<Island>> = islands(op, slow, twist)
+    let twist = &response.twist[..];
+    let solved: Vec<Option<Island>> = islands(op, slow, now, response)
         .into_par_iter()
         .with_max_len(1)
         .map(|(bodies, blocks)| {
@@ -84,43 +92,80 @@ pub fn solve(op: &BodyOperator, slow: &Slow, gamma: &mut [DVec3], twist: &[Twist
     is_any
 }
 
-/// The moving bodies and the blocks of each island that has slow blocks and can be solved.
-fn islands(op: &BodyOperator, slow: &Slow, twist: &[Twist]) -> Vec<(Vec<u32>, Vec<u32>)> {
+/// The moving bodies and the blocks of each island that is slow, but not settled, and can be solved.
+fn islands(op: &BodyOperator, slow: &Slow, gamma: &[DVec3], response: &Response) -> Vec<(Vec<u32>, Vec<u32>)> {
     const NONE: u32 = u32::MAX;
-    if twist.iter().all(|t| t.v.length_squared() <= slow.speeds[0] * slow.speeds[0]) {
+    let twist = &response.twist[..];
+    let [least, most] = slow.speeds.map(|speed| speed * speed);
+    if twist.iter().all(|t| t.v.length_squared() <= least) {
         return vec![];
     }
     let n_bodies = op.masses.inv_mass.len();
+    if slow.blocks.is_empty() && n_bodies > FEW_BODIES {
+        return vec![];
+    }
     let moves = |b: &u32| op.masses.inv_mass[*b as usize] > 0.0;
     let ends = |block: u32| op.contacts.bodies[slow.all.contacts(block).start];
     let of_one = |block: u32| ends(block).into_iter().find(moves);
     let mut sets = DisjointSets::new(n_bodies);
     (0..slow.all.n_manifolds()).map(ends).filter(|ends| ends.iter().all(moves)).for_each(|ends| sets.join(ends));
+    let groups = groups(op, &mut sets, twist);
+    let can_be = |group: &Group| group.n_bodies <= MOST_BODIES && group.fastest[0] > least && group.fastest[1] <= most;
+    if !groups.iter().any(can_be) {
+        return vec![];
+    }
     // The place of each island by its lowest body.
     let mut place = vec![NONE; n_bodies];
     let mut islands: Vec<(Vec<u32>, Vec<u32>)> = vec![];
-    for block in &slow.blocks {
-        if let Some(island) = of_one(*block).map(|b| sets.of(b))
-            && place[island as usize] == NONE
-        {
-            place[island as usize] = islands.len() as u32;
+    for block in 0..slow.all.n_manifolds() {
+        let Some(island) = of_one(block).map(|b| sets.of(b) as usize) else { continue };
+        if !can_be(&groups[island]) {
+            continue;
+        }
+        if place[island] == NONE {
+            place[island] = islands.len() as u32;
             islands.push(Default::default());
         }
+        islands[place[island] as usize].1.push(block);
     }
     for b in (0..n_bodies as u32).filter(moves) {
         if let Some((bodies, _)) = islands.get_mut(place[sets.of(b) as usize] as usize) {
             bodies.push(b);
         }
     }
-    for block in 0..slow.all.n_manifolds() {
-        if let Some(b) = of_one(block)
-            && let Some((_, blocks)) = islands.get_mut(place[sets.of(b) as usize] as usize)
-        {
-            blocks.push(block);
+    let mut is_known = vec![false; islands.len()];
+    for b in slow.blocks.iter().filter_map(|block| of_one(*block)) {
+        if let Some(is_known) = is_known.get_mut(place[sets.of(b) as usize] as usize) {
+            *is_known = true;
         }
     }
-    islands.retain(|(bodies, _)| bodies.len() <= MOST_BODIES && slow.has(bodies, twist));
-    islands
+    let is_unsettled = |blocks: &[u32]| {
+        let contacts = || blocks.iter().flat_map(|block| slow.all.contacts(*block));
+        let term = |i: usize| term(op, i, op.eta_of(i), gamma, response).length_squared();
+        n_bodies <= FEW_BODIES
+            && contacts().map(term).sum::<f64>() > slow.error * slow.error * contacts().count() as f64
+    };
+    let found = islands.into_iter().zip(is_known);
+    found.filter(|((_, blocks), is_known)| *is_known || is_unsettled(blocks)).map(|(island, _)| island).collect()
+}
+
+/// The bodies that hang together, each set by its lowest body.
+fn groups(op: &BodyOperator, sets: &mut DisjointSets, twist: &[Twist]) -> Vec<Group> {
+    let moving = |b: &usize| op.masses.inv_mass[*b] > 0.0;
+    let mut groups = vec![Group::default(); twist.len()];
+    for b in (0..twist.len()).filter(moving) {
+        let group = &mut groups[sets.of(b as u32) as usize];
+        group.n_bodies += 1;
+        group.sum += twist[b].v;
+    }
+    for b in (0..twist.len()).filter(moving) {
+        let group = &mut groups[sets.of(b as u32) as usize];
+        let mean = group.sum / group.n_bodies as f64;
+        let sideways = mean - op.down * mean.dot(op.down);
+        let speeds2 = [twist[b].v, twist[b].v - sideways].map(|v| v.length_squared());
+        group.fastest = [0, 1].map(|k| group.fastest[k].max(speeds2[k]));
+    }
+    groups
 }
 
 /// A contact of an island. Its cone is made that of Lorentz: z = (μ γ_n, γ_t) and s = (u_n/μ, u_t), with u = v + b.

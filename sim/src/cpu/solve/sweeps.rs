@@ -182,11 +182,11 @@ where
         } else {
             op.response(gamma, response);
         }
-        let can_be_solved = op.joints.rows.is_empty() && !op.plan.resists() && !unsettled.is_empty();
+        let can_be_solved = op.joints.rows.is_empty() && !op.plan.resists();
         if let Some((residual, _)) = ends.settling.filter(|_| can_be_solved) {
             let speeds = [settings.rest_speed, slow];
             let slow = Slow { blocks: unsettled, all: at.0, error: SETTLED * residual, speeds, is_exact };
-            if islands::solve(op, &slow, gamma, &response.twist) {
+            if islands::solve(op, &slow, gamma, response) {
                 op.response(gamma, response);
             }
         }

@@ -313,3 +313,24 @@ fn repeats(method: Method) {
     let off = apart(&first.state, &on_cpu.state);
     assert!(first.state.contacts.len() > 20 && off < 1e-3, "{off} m");
 }
+
+/// A joint that begins and one that ends: their bodies touch while they do not act.
+#[test]
+fn bodies_touch_while_their_joint_does_not_act_as_on_the_cpu() {
+    let mut text = HEAD.to_string()
+        + "solver: {method: gauss_seidel, iterations: 40}\nbodies:\n  - {name: ground, material: m, plane: {normal: [0, 0, 1]}}\n";
+    for (name, x, z) in [("a", 0.0, 0.1), ("b", 0.0, 0.3), ("c", 1.0, 0.1), ("d", 1.0, 0.3)] {
+        text +=
+            &format!("  - {{name: {name}, material: m, box: {{size: [0.2, 0.2, 0.2]}}, position: [{x}, 0, {z}]}}\n");
+    }
+    text += "joints:
+  - {name: later, kind: fixed, a: a, b: b, position: [0, 0, 0.2], from: 0.05}
+  - {name: first, kind: fixed, a: c, b: d, position: [1, 0, 0.2], until: 0.05}
+";
+    let (model, state) = resolved(text);
+    let Some(pair) = both(&model, &state, 100) else { return };
+    let off = apart(&pair[0].state, &pair[1].state);
+    let heights: Vec<f64> = pair[0].state.position[1..].iter().map(|p| p.z).collect();
+    assert!(off < 1e-5, "{off} m: {heights:?}");
+    assert!(heights.iter().zip([0.1, 0.3, 0.1, 0.3]).all(|(z, at)| (z - at).abs() < 1e-3), "{heights:?}");
+}

@@ -78,18 +78,20 @@ impl Builder<'_> {
             let pair = bodies.map(|b| id[b as usize]);
             (!pair.contains(&u32::MAX)).then_some(pair)
         };
-        for j in &other_model.joints {
+        // The times of what has begun or will begin are those of the new run; what has ended is gone.
+        let times = |from: f64, until: f64| ((from - state.time).max(0.0), until - state.time);
+        for j in other_model.joints.iter().filter(|j| state.time < j.until) {
             if let Some(bodies) = included(j.bodies) {
-                self.model.joints.push(Joint { bodies, from: 0.0, ..j.clone() });
+                let (from, until) = times(j.from, j.until);
+                self.model.joints.push(Joint { bodies, from, until, ..j.clone() });
             }
         }
-        for s in &other_model.springs {
+        for s in other_model.springs.iter().filter(|s| state.time < s.until) {
             if let Some(bodies) = included(s.bodies) {
-                self.model.springs.push(Spring { bodies, from: 0.0, ..s.clone() });
+                let (from, until) = times(s.from, s.until);
+                self.model.springs.push(Spring { bodies, from, until, ..s.clone() });
             }
         }
-        self.exclusions
-            .extend(other_model.exclusions.iter().filter_map(|p| included(*p)).map(|[a, b]| [a.min(b), a.max(b)]));
         let n = other_model.group_names.len();
         for (k, _) in other_model.groups_pass.iter().enumerate().filter(|(_, pass)| **pass) {
             let names = [&other_model.group_names[k / n], &other_model.group_names[k % n]];

@@ -138,12 +138,10 @@ impl Builder<'_> {
             max_effort,
             from,
             until,
+            collides: file.collide,
         };
         self.keys.joints.insert(self.model.joints.len() as u32, key.into());
         self.model.joints.push(joint);
-        if !file.collide {
-            self.exclusions.push([bodies[0].min(bodies[1]), bodies[0].max(bodies[1])]);
-        }
         Ok(())
     }
 
@@ -339,6 +337,7 @@ impl Builder<'_> {
             None => Function::Constant(0.0),
         };
         let [from, until] = self.interval(key, file.from, file.until, begins)?;
+        self.keys.springs.insert(self.model.springs.len() as u32, key.into());
         self.model.springs.push(Spring {
             name: file.name.clone(),
             bodies,

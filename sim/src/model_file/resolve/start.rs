@@ -1,7 +1,8 @@
-//! Checks of the state at the start: bodies that overlap, motors and lengths that begin elsewhere than their joints.
+//! Checks of the state at the start: bodies that overlap, motors and lengths that begin elsewhere than their joints, springs that are too stiff.
 
 use crate::joint::{Coordinate, Motor};
 use crate::model_file::Resolved;
+use crate::spring_rates::{self, Rate};
 use frame::Fault;
 use frame::yaml::Document;
 use std::collections::BTreeMap;
@@ -11,6 +12,7 @@ use std::collections::BTreeMap;
 pub(in crate::model_file) struct Keys {
     pub(super) bodies: BTreeMap<u32, String>,
     pub(super) joints: BTreeMap<u32, String>,
+    pub(super) springs: BTreeMap<u32, String>,
 }
 
 /// Warn of motors and lengths that do not begin where their joints are: the first step goes there, however far it is.
@@ -45,6 +47,29 @@ pub(super) fn jumps(resolved: &mut Resolved, doc: &Document, keys: &Keys) {
             warnings.push(key.map_or(message.clone(), |key| doc.fault(&format!("{key}.{what}"), message).to_string()));
         }
     }
+}
+
+/// Warn of springs that would let bodies swing faster than a step resolves: they hold as if they were damped.
+pub(super) fn stiff_springs(resolved: &mut Resolved, doc: &Document, keys: &Keys) {
+    /// Swing in a step, rad, from which on a spring is implicit.
+    const IMPLICIT: f64 = 1.0;
+    let Resolved { model, state, warnings, .. } = resolved;
+    let rates = spring_rates::rates(model, state);
+    let stiff: Vec<_> = rates.iter().filter(|rate| rate.own * model.step >= IMPLICIT).collect();
+    let Some(Rate { spring, own, .. }) = stiff.iter().max_by(|a, b| a.own.total_cmp(&b.own)) else { return };
+    let message = format!(
+        "spring `{}` is stiffer than steps of {:.2e} s resolve: it would let what it holds swing by {:.1} rad in a step, and holds it as if it were damped{}",
+        model.springs[*spring].name,
+        model.step,
+        own * model.step,
+        if stiff.len() > 1 { format!(", as do {} others", stiff.len() - 1) } else { String::new() }
+    );
+    let hint = format!("steps of {:.1e} s resolve it", 0.1 / own);
+    let key = keys.springs.get(&(*spring as u32));
+    warnings.push(match key {
+        Some(key) => doc.fault(&format!("{key}.stiffness"), message).hint(hint).to_string(),
+        None => format!("{message}; {hint}"),
+    });
 }
 
 /// Check overlaps at the start: one deeper than a radius is an error, one deeper than a tenth of it a warning.
