@@ -174,7 +174,10 @@ impl<'k> Few<'k> {
         };
         let id = frame.scene.id_of(grid.item);
         let [x, y, z] = scene.flat.unwrap_or_default().to_array();
-        let own = [(id & 0xffff) as f32, (id >> 16) as f32, scene.bias[0], scene.bias[1], x, y, z];
+        let whole_id = frame.scene.whole_of(grid.item);
+        let halves = |n: u32| [(n & 0xffff) as f32, (n >> 16) as f32];
+        let ([low, high], [whole_low, whole_high]) = (halves(id as u32), halves(whole_id));
+        let own = [low, high, scene.bias[0], scene.bias[1], x, y, z, whole_low, whole_high];
         let shader = (&*view.attributes.surface, &view.attached.surface);
         let given = batch.n_filled();
         let (k, given_own) = add(batch, shader, points, &scene, (&own, filled))?;
