@@ -92,6 +92,19 @@ fn a_trough_is_as_open_as_its_arc_lets_it_and_even() {
     }
 }
 
+#[test]
+fn beside_a_silhouette_a_body_is_open_as_its_outside_is() {
+    // The outside of a tube: the sky is open to it, but for what is below its horizon. Points beyond the silhouette are within the tube, and no sky
+    // comes there.
+    for shading_rate in [0.25, 4.0, 30.0] {
+        let p = render("2 2", &format!("ShadingRate {shading_rate} Rotate 90 1 0 0 Cylinder 0.7 -9 9 360"));
+        for x in 13..67 {
+            let found = p.at(x, 40);
+            assert!(found[0] / found[3] > 0.45, "openness at x {x}, shading rate {shading_rate}: {found:?}");
+        }
+    }
+}
+
 /// What bodies around send to the middle of the wall: how much of its light is closed, that of a sun of 1 by way of white bodies, and
 /// their colour. The sun stands over +x unless said.
 fn around(others: &str, sun: &str) -> [f32; 5] {
