@@ -5,7 +5,7 @@ use crate::cpu::frame::Frame;
 use crate::cpu::globals::surface_globals;
 use crate::cpu::shade::{Surface, prepare, surface_opacity};
 use crate::cpu::view::View;
-use crate::film::display::placed;
+use crate::film::display::{SHOWN, placed};
 use crate::gpu::front::Diced;
 use crate::gpu::refusal::Refusal;
 use crate::scene::source::{Item, ItemView};
@@ -242,6 +242,9 @@ impl<'k> Few<'k> {
         for (place, aov) in placed(&frame.aovs) {
             let (width, name) = (aov.width(), aov.name.as_str());
             let goal = |point: u32| (point as usize * frame.depth + place) as u32;
+            if view.attributes.matte && SHOWN.contains(&name) {
+                continue;
+            }
             if name == "motion" {
                 for (point, _) in own {
                     let values = motion.get(*point as usize - first).copied().unwrap_or_default();
