@@ -190,3 +190,32 @@ fn a_lamp_in_a_ceiling_lights_the_wall_beside_it() {
         }
     }
 }
+
+#[test]
+fn the_round_ends_of_a_tube_cast_no_shadows_on_it() {
+    // Two spheres whose upper and lower halves end a tube: where they touch it, rounding has points of each within the other. Lit from the
+    // eye's upper left, or by the sky alone, the tube is as bright beside them as in its middle.
+    let sun = "LightSource \"distantlight\" 1 \"to\" [0.5 -0.2 1]";
+    let sky = "LightSource \"skylight\" 1 \"color zenith\" [1 1 1] \"color horizon\" [1 1 1] \"color beneath\" [1 1 1] \"color sunshine\" [0 0 0]";
+    for (light, name) in [(sun, "the sun"), (sky, "the sky")] {
+        for (turn, shading_rate) in [(0, 1.0), (30, 49.0), (45, 9.0), (60, 16.0), (77, 4.0)] {
+            let p = render(
+                "4 4",
+                &format!(
+                    "{light} Surface \"matte\" ShadingRate {shading_rate} Translate 0.05 0.03 0 Rotate 90 1 0 0 Rotate {turn} 0 0 1 Cylinder 0.37 -0.4 0.4 360
+                     Translate 0 0 0.4 Sphere 0.37 -0.37 0.37 360 Translate 0 0 -0.8 Sphere 0.37 -0.37 0.37 360"
+                ),
+            );
+            for x in 30..54 {
+                let middle = p.at(x, 38)[1];
+                for y in (24..29).chain(49..54) {
+                    let found = p.at(x, y)[1];
+                    assert!(
+                        (found - middle).abs() < 0.06 + 0.06 * middle,
+                        "{name}, {turn} degrees, shading rate {shading_rate}: {found} at ({x}, {y}), {middle} in the middle"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -192,3 +192,26 @@ fn images_with_trails_that_are_drawn_at_a_time_read_each_table_once() {
     assert_eq!(bind::Moment::of(&binding, &source, &table).unwrap().before.len(), 2);
     assert!(source.shared(1).is_err());
 }
+
+#[test]
+fn colours_of_marks_are_theirs_in_every_scene() {
+    let work = scratch();
+    table(work.path(), 1);
+    let color = [0.8, 0.1, 0.3f64];
+    let object = format!(
+        "  - {{name: v, geometry: {{arrow: {{vector: [0.8, 0, 0], scale: 1, width: 0.1}}}}, color: {color:?}}}\n"
+    );
+    let shown = color.map(|c| 255.0 * c.powf(1.0 / 2.2));
+    for scene in ["white_page", "dark_page", "laboratory", "studio", "lunar", "quarry", "desert_noon", "desert_dusk"] {
+        let file = metadata(work.path(), BODIES, &object);
+        let text = std::fs::read_to_string(&file).unwrap().replace("white_page", scene);
+        std::fs::write(&file, text).unwrap();
+        let out = work.path().join(scene);
+        scree(&["render", &file, "-o", out.to_str().unwrap(), "--res", "200x200"]).ok();
+        let image = image::open(out.join("000000.png")).unwrap().to_rgb8();
+        // The middle of the shaft faces the eye.
+        let found = image.get_pixel(100, 100).0;
+        let is_near = found.iter().zip(shown).all(|(c, expected)| (*c as f64 - expected).abs() < 8.0);
+        assert!(is_near, "{scene}: {found:?}, expected {shown:.0?}");
+    }
+}

@@ -69,6 +69,42 @@ fn facets_hide_what_is_behind_them_and_nothing_else() {
     assert_eq!(middle(&format!("Attribute \"visibility\" \"int transmission\" 0 {pane}"))[0], 1.0);
 }
 
+#[test]
+fn a_trough_is_as_open_as_its_arc_lets_it_and_even() {
+    // Within half a tube, open towards the eye: the chord of its opening stands at a right angle from any point on the arc (Thales), so that
+    // of the sky a point at φ from the bottom gets sin 45° cos (φ / 2). Cones with soft sides answer to within 0.16.
+    let trough = |radius: f32| format!("Rotate 90 1 0 0 Cylinder {radius} -9 9 180");
+    for shading_rate in [0.25, 4.0] {
+        let p = render("2 2", &format!("ShadingRate {shading_rate} Translate 0 0 0.1 {}", trough(0.99)));
+        let across: Vec<f32> = (6..74).map(|x| p.at(x, 40)[0]).collect();
+        for (k, found) in across.iter().enumerate() {
+            let sine = ((k as f32 + 6.5) / 40.0 - 1.0) / 0.99;
+            let expected = std::f32::consts::FRAC_1_SQRT_2 * (0.5 * sine.asin()).cos();
+            assert_near(
+                *found,
+                expected,
+                0.16,
+                &format!("openness at {sine} of the radius, shading rate {shading_rate}"),
+            );
+        }
+        let step = across.windows(2).map(|pair| (pair[0] - pair[1]).abs()).fold(0.0, f32::max);
+        assert!(step < 0.03, "a stripe: a step of {step} between pixels");
+    }
+}
+
+#[test]
+fn beside_a_silhouette_a_body_is_open_as_its_outside_is() {
+    // The outside of a tube: the sky is open to it, but for what is below its horizon. Points beyond the silhouette are within the tube, and no sky
+    // comes there.
+    for shading_rate in [0.25, 4.0, 30.0] {
+        let p = render("2 2", &format!("ShadingRate {shading_rate} Rotate 90 1 0 0 Cylinder 0.7 -9 9 360"));
+        for x in 13..67 {
+            let found = p.at(x, 40);
+            assert!(found[0] / found[3] > 0.45, "openness at x {x}, shading rate {shading_rate}: {found:?}");
+        }
+    }
+}
+
 /// What bodies around send to the middle of the wall: how much of its light is closed, that of a sun of 1 by way of white bodies, and
 /// their colour. The sun stands over +x unless said.
 fn around(others: &str, sun: &str) -> [f32; 5] {

@@ -9,6 +9,8 @@ mod flight;
 mod layers;
 #[path = "backends/shaders.rs"]
 mod shaders;
+#[path = "backends/shown.rs"]
+mod shown;
 #[path = "backends/sides.rs"]
 mod sides;
 #[path = "backends/table.rs"]

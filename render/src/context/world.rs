@@ -7,6 +7,7 @@ use crate::cpu::rays::say_open;
 use crate::cpu::render::render;
 use crate::cpu::volumes::say_idle;
 use crate::drawn::Drawn;
+use crate::film::display;
 use crate::film::filter::FilterKind;
 use crate::film::image::{Image, expose};
 use crate::scene::camera::Camera;
@@ -133,6 +134,7 @@ impl Context {
         say_open(&self.scene);
         say_idle(&self.scene);
         hide_twins(&mut self.scene);
+        clear_before_shown(&mut self.scene);
         if self.options.hider == Hider::Null {
             let options = Options { displays: vec![], unsupported_display: true, ..self.options.clone() };
             let items = self.scene.sources.iter().map(|s| s.len() as u64).sum();
@@ -171,6 +173,7 @@ impl Context {
             let at = self.scene.stopped_at().map(|spot| self.scene.warnings.place_of(spot));
             return Err(Fail::new(message).at(at));
         }
+        image.keep_variables(display::aovs(&self.options.displays).len());
         // What an imager takes is exposed before it (RISpec 4.1.2, figure 4.2).
         if self.options.imager.is_none() {
             expose(&mut image.pixels, self.options.gain, self.options.gamma);
@@ -211,5 +214,14 @@ impl Context {
             (self.transform, self.moves) = place;
         }
         Ok(())
+    }
+}
+
+/// What a display shows as it is has no atmosphere before it.
+fn clear_before_shown(scene: &mut Scene) {
+    for source in &mut scene.sources {
+        if source.attributes.atmosphere.is_some() && source.attributes.is_shown() {
+            Arc::make_mut(&mut source.attributes).atmosphere = None;
+        }
     }
 }

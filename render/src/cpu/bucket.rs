@@ -125,11 +125,8 @@ fn draw_bucket(
     if frame.options.keep_ids {
         pixels.identities = samples.identities(margin);
     }
-    if let Some(imager) = &frame.options.imager {
-        let (corner, machine) = ([bucket.x, bucket.y], &mut shading.machine);
-        imager::expose(frame.options, frame.scene, &mut pixels.color);
-        imager::run(imager, frame.scene, machine, points, corner, bucket.width, &mut pixels.color);
-    }
+    let memory = (&mut shading.machine, &mut *points);
+    imager::pass(frame, memory, bucket, (&mut pixels.color, &pixels.extra));
     let seconds = &mut stats.seconds;
     seconds.dice = drawn - seconds.sample - seconds.shade - seconds.filter;
     seconds.filter += begun.elapsed().as_secs_f64() - drawn;

@@ -38,6 +38,9 @@ const BESIDE_FLAT: f32 = 1e-6;
 /// What rounding makes of places on two surfaces that touch, in parts of their coordinates.
 const ROUNDING: f32 = 4e-6;
 
+/// How deep within a sphere a point where another surface touches it may be found, in parts of the radius, besides that.
+const ON_ROUND: f32 = 1e-5;
+
 /// How near an edge of a triangle, in parts of it, the triangle beyond it may be met as well.
 const AT_EDGE: f32 = 1e-4;
 
@@ -255,7 +258,7 @@ impl Bvh {
         let room = |t: f32| ROUNDING * (t + reach);
         self.tree.leaves(from, dir, f32::INFINITY, |leaf, _| {
             for (item, occluder) in &self.occluders[leaf] {
-                let Some(t) = self.distance(*item == own, occluder, way, least, bias) else { continue };
+                let Some(t) = self.met(*item == own, occluder, way, least, bias) else { continue };
                 let goes_before = best.is_none_or(|(known, first)| {
                     let is_first = (item.source, item.index) < (first.source, first.index);
                     t < if is_first { known + room(known) } else { known - room(known) }
@@ -289,12 +292,12 @@ impl Bvh {
         self.tree.leaves(from, dir, length, |leaf, length| {
             for (item, occluder) in &self.occluders[leaf] {
                 if let Occluder::Triangle { corners, .. } = *occluder {
-                    let t = self.distance(*item == own, occluder, way, 0.0, bias).filter(|t| *t < length);
+                    let t = self.met(*item == own, occluder, way, 0.0, bias).filter(|t| *t < length);
                     out.extend(t.map(|t| Layer { t, item: *item, at_edge: is_at_edge(way, corners) }));
                     continue;
                 }
                 let mut least = 0.0;
-                while let Some(t) = self.distance(*item == own, occluder, way, least, bias).filter(|t| *t < length) {
+                while let Some(t) = self.met(*item == own, occluder, way, least, bias).filter(|t| *t < length) {
                     out.push(Layer { t, item: *item, at_edge: true });
                     least = t + step(t);
                 }
@@ -315,12 +318,30 @@ impl Bvh {
         }
         let (mut meets, way) = (false, [from, dir]);
         self.tree.leaves(from, dir, length, |leaf, length| {
-            meets = self.occluders[leaf].iter().any(|(item, occluder)| {
-                self.distance(*item == own, occluder, way, 0.0, bias).is_some_and(|t| t < length)
-            });
+            meets = self.occluders[leaf]
+                .iter()
+                .any(|(item, occluder)| self.met(*item == own, occluder, way, 0.0, bias).is_some_and(|t| t < length));
             (!meets).then_some(length)
         });
         meets
+    }
+
+    /// As [`Bvh::distance`], but that a ray from where another surface touches a round one does not meet that on its way out.
+    fn met(
+        &self,
+        own: bool,
+        occluder: &Occluder,
+        way @ [from, dir]: [Vec3; 2],
+        least: f32,
+        bias: [f32; 2],
+    ) -> Option<f32> {
+        let touches = !own
+            && match *occluder {
+                Occluder::Sphere { center, radius } => leaves_sphere(center - from, dir, radius, from, bias[0]),
+                Occluder::Ellipsoid { inverse } => leaves_ellipsoid(&self.inverses[inverse as usize], way, bias[0]),
+                Occluder::Triangle { .. } => false,
+            };
+        if touches { None } else { self.distance(own, occluder, way, least, bias) }
     }
 
     /// How far along a ray an occluder is met, from `least` on, and beyond what it cannot mean: the surface that the ray starts
@@ -373,7 +394,7 @@ impl Bvh {
                     let r2 = radius * radius;
                     off2 < r2 && {
                         let half = (r2 - off2).sqrt();
-                        along + half > 0.0 && along - half < length
+                        along + half > 0.0 && along - half < length && !leaves_sphere(to, dir, radius, from, bias[0])
                     }
                 }
             }
@@ -385,7 +406,7 @@ impl Bvh {
                     let disc = b * b - a * c;
                     disc > 0.0 && {
                         let root = disc.sqrt();
-                        root - b > 0.0 && (-b - root) < length * a
+                        root - b > 0.0 && (-b - root) < length * a && !leaves_ellipsoid(m, [from, dir], bias[0])
                     }
                 }
             }
@@ -396,6 +417,26 @@ impl Bvh {
                         .is_some_and(|(t, _)| t < length && t > near_start(own, room, edges_of(corners), from, bias))
             }
         }
+    }
+}
+
+/// Whether a ray begins on a sphere, or hardly within, and goes outwards: `to` is the way to its middle.
+#[inline(always)]
+fn leaves_sphere(to: Vec3, dir: Vec3, radius: f32, from: Vec3, bias: f32) -> bool {
+    to.dot(dir) <= 0.0 && {
+        let least = radius - bias.min(ON_ROUND * radius + ROUNDING * from.abs().max_element());
+        to.length_squared() >= least * least
+    }
+}
+
+/// The same of an ellipsoid, by the matrix that makes it the unit sphere.
+#[inline(always)]
+fn leaves_ellipsoid(m: &Mat4, [from, dir]: [Vec3; 2], bias: f32) -> bool {
+    let (o, d) = (m.transform_point3(from), m.transform_vector3(dir));
+    o.dot(d) >= 0.0 && {
+        let rounding = ON_ROUND + ROUNDING * m.transform_vector3(from).abs().max_element();
+        let least = 1.0 - rounding.min(bias * d.length());
+        o.length_squared() >= least * least
     }
 }
 

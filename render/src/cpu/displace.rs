@@ -4,6 +4,7 @@ use crate::cpu::globals::{fill_geometric_normal, fill_incident, fill_velocity, s
 use crate::cpu::rays::Rays;
 use crate::cpu::view::View;
 use crate::gprim::grid::{Grid, Subject};
+use crate::scene::shape::Shape;
 use crate::scene::world::Scene;
 use glam::Vec3;
 use sl::Global;
@@ -12,6 +13,12 @@ use sl::machine::{Machine, Points};
 
 /// How far beyond a right angle to the way from the eye a normal is turned, in parts of what it was off.
 const LEAST_TURN: f32 = 1e-3;
+
+/// The sine to the way from the eye from which on a micropolygon is known to show one side of it.
+const LEAST_SINE: f32 = 1e-6;
+
+/// The cosine of a micropolygon's normal to that of its first point from which on it is known which side is which.
+const LEAST_COSINE: f32 = 0.1;
 
 /// Displace a grid, drop its apron and put its edges where those of its neighbours are; `rays` have what its shader meets.
 pub fn displace(scene: &Scene, rays: &Rays<'_>, subject: &Subject<'_>, grid: &mut Grid, machine: &mut Machine) {
@@ -83,44 +90,95 @@ fn geometric_normals(points: &mut Points) {
     points.set(Global::Ng, geometric);
 }
 
-/// Turn normals to the eye, as far as it takes, where they face away from it beside micropolygons that do not: at a silhouette, which runs
-/// between points, and where a shader turned the normal alone. What is seen there is its outside, and a shader that turns normals to
-/// the eye would light it from within.
+/// Turn normals to the side that is seen, as far as it takes, beside a silhouette, which runs between points: what is seen there of an opaque
+/// body is its outside, and a shader that turns normals to the eye would light it from within. Where there is displacement, normals are turned to the eye where
+/// they face away from it beside micropolygons that do not, wherever a shader turned the normal alone; else those of a micropolygon's first
+/// point, by which it is shaded, to the side of the surface that the eye sees of that micropolygon.
 pub fn face_eye(subject: &Subject<'_>, grid: &mut Grid) {
-    let Subject { view, camera, .. } = *subject;
-    if view.attributes.displacement.is_none() {
-        return;
+    let is_curved = || match (subject.view.shape, grid.origin) {
+        (Shape::Patches(patches, _), Some(part)) => patches.get(part.patch as usize).is_some_and(|patch| !patch.flat),
+        _ => false,
+    };
+    if subject.view.attributes.displacement.is_some() {
+        turn_normals(subject, &mut grid.points, |facets, normal, way| {
+            let is_before = |facet: Vec3| facet.dot(way) < -LEAST_SINE * facet.length() * way.length();
+            if normal.dot(way) > 0.0 && facets.around().any(is_before) { -1.0 } else { 0.0 }
+        });
+    } else if is_curved() && has_both_sides(subject, &grid.points) {
+        turn_normals(subject, &mut grid.points, |facets, normal, way| {
+            let facet = facets.own();
+            let (along, seen) = (facet.dot(normal), facet.dot(way));
+            // Of what is folded nobody knows which side is which.
+            let is_known = along.abs() > LEAST_COSINE * facet.length() * normal.length()
+                && seen.abs() > LEAST_SINE * facet.length() * way.length();
+            if is_known { seen.signum() * along.signum() } else { 0.0 }
+        });
     }
-    let points = &mut grid.points;
-    let (n, nu, nv, side) = (points.n(), points.nu, points.nv, points.orientation);
+}
+
+/// Whether normals of a grid face the eye and others face away.
+fn has_both_sides(subject: &Subject<'_>, points: &Points) -> bool {
+    let n = points.n();
+    let whole = |global: Global| points.get(global).filter(|v| v.len() == 3 * n);
+    let (Some(p), Some(normals)) = (whole(Global::P), whole(Global::N)) else { return false };
+    let of = |v: &[f32], k: usize| Vec3::new(v[k], v[n + k], v[2 * n + k]);
+    let mut away = (0..n).map(|k| of(normals, k).dot(subject.camera.incident(of(p, k))) > 0.0);
+    let first = away.next();
+    away.any(|other| Some(other) != first)
+}
+
+/// The normals of the triangles of micropolygons about a point of a grid, by their areas.
+struct Facets<'a> {
+    points: &'a Points,
+    p: &'a [f32],
+    k: usize,
+}
+
+impl Facets<'_> {
+    fn at(&self, k: usize) -> Vec3 {
+        let n = self.points.n();
+        Vec3::new(self.p[k], self.p[n + k], self.p[2 * n + k])
+    }
+
+    /// Of both triangles of the micropolygon from the point on, or of the last before it.
+    fn own(&self) -> Vec3 {
+        let (nu, nv) = (self.points.nu, self.points.nv);
+        let first = (self.k / nu).min(nv - 2) * nu + (self.k % nu).min(nu - 2);
+        let [a, b, c, d] = [first, first + 1, first + nu + 1, first + nu].map(|k| self.at(k));
+        (c - a).cross(d - b)
+    }
+
+    /// Of each triangle of the micropolygons that have the point, on the side that the grid's normals face.
+    fn around(&self) -> impl Iterator<Item = Vec3> {
+        let (nu, nv, side) = (self.points.nu, self.points.nv, self.points.orientation);
+        let (i, j) = (self.k % nu, self.k / nu);
+        let around = [(i.wrapping_sub(1), j.wrapping_sub(1)), (i, j.wrapping_sub(1)), (i.wrapping_sub(1), j), (i, j)];
+        around.into_iter().filter(move |(i, j)| *i < nu - 1 && *j < nv - 1).flat_map(move |(i, j)| {
+            let first = j * nu + i;
+            let of = |b: usize, c: usize| (self.at(b) - self.at(first)).cross(self.at(c) - self.at(first)) * side;
+            [of(first + 1, first + nu + 1), of(first + nu + 1, first + nu)]
+        })
+    }
+}
+
+/// Turn N and Ng of points, as far as it takes, so that they make a cosine of a sign with the way from the eye: `sign_of` has that by the
+/// facets about a point, a normal there and the way; 0 if the normal stays.
+fn turn_normals(subject: &Subject<'_>, points: &mut Points, sign_of: impl Fn(&Facets<'_>, Vec3, Vec3) -> f32) {
+    let n = points.n();
     let of = |v: &[f32], k: usize| Vec3::new(v[k], v[n + k], v[2 * n + k]);
     let whole = |global: Global| points.get(global).filter(|v| v.len() == 3 * n);
-    let both = [Global::N, Global::Ng];
-    let (Some(p), normals) = (whole(Global::P), both.map(whole)) else { return };
+    let Some(p) = whole(Global::P).filter(|_| points.nu > 1 && points.nv > 1) else { return };
     let mut turned = vec![];
-    for k in 0..n {
-        let place = of(p, k);
-        let way = camera.incident(place);
-        let away = normals.map(|normals| normals.map_or(0.0, |normals| of(normals, k).dot(way)));
-        if !(away[0] > 0.0 || away[1] > 0.0) {
-            continue;
-        }
-        let (i, j) = (k % nu, k / nu);
-        let faces = |a: usize, b: usize, c: usize| {
-            let facet = (of(p, b) - of(p, a)).cross(of(p, c) - of(p, a)) * side;
-            facet.dot(way) < -1e-6 * facet.length() * way.length()
-        };
-        let around = [(i.wrapping_sub(1), j.wrapping_sub(1)), (i, j.wrapping_sub(1)), (i.wrapping_sub(1), j), (i, j)];
-        let is_seen = around.into_iter().filter(|(i, j)| *i < nu - 1 && *j < nv - 1).any(|(i, j)| {
-            let first = j * nu + i;
-            faces(first, first + 1, first + nu + 1) || faces(first, first + nu + 1, first + nu)
-        });
-        for ((global, normals), away) in
-            both.into_iter().zip(normals).zip(away).filter(|(_, away)| is_seen && *away > 0.0)
-        {
-            let normal = normals.map_or(Vec3::ZERO, |normals| of(normals, k));
-            let bent = normal - way * (away * (1.0 + LEAST_TURN) / way.length_squared());
-            turned.push((global, k, bent.normalize_or_zero() * normal.length()));
+    for global in [Global::N, Global::Ng] {
+        let Some(normals) = whole(global) else { continue };
+        for k in 0..n {
+            let (normal, way) = (of(normals, k), subject.camera.incident(of(p, k)));
+            let away = normal.dot(way);
+            let sign = sign_of(&Facets { points, p, k }, normal, way);
+            if away * sign < 0.0 {
+                let bent = normal - way * (away * (1.0 + LEAST_TURN) / way.length_squared());
+                turned.push((global, k, bent.normalize_or_zero() * normal.length()));
+            }
         }
     }
     for (global, k, normal) in turned {

@@ -35,10 +35,14 @@ pub struct Frame<'a> {
     pub jitter: Jitter,
     /// The pixel filter.
     pub filter: PixelFilter,
-    /// What displays take besides colour.
+    /// What displays take besides colour; behind that, what surfaces say that a display shows of them, if some do.
     pub aovs: Vec<Aov>,
     /// Count of the numbers of a sample that these are.
     pub depth: usize,
+    /// Count of the variables that displays take.
+    pub n_taken: usize,
+    /// The offsets of the colour that a display shows of surfaces and of how much it covers, if some say so.
+    pub shown: Option<[usize; 2]>,
 }
 
 impl<'a> Frame<'a> {
@@ -47,7 +51,10 @@ impl<'a> Frame<'a> {
         let filter = PixelFilter::new(options.filter, options.filter_width);
         let filter = if options.samples == [1, 1] { filter.of_middles() } else { filter };
         let jitter = Jitter::new(options.samples, camera.has_lens(), scene.moves(&camera));
-        let aovs = aovs(&options.displays);
+        let mut aovs = aovs(&options.displays);
+        let n_taken = aovs.len();
+        let any_shown = scene.sources.iter().any(|source| source.attributes.is_shown());
+        let shown = if any_shown { display::add_shown(&mut aovs) } else { None };
         let depth = display::depth(&aovs);
         let displacement_rays = Arc::new(Rays::of_displacement(scene));
         let met = displacement_rays.clone();
@@ -56,7 +63,22 @@ impl<'a> Frame<'a> {
         let rays = Rays::new(scene, &camera, &displace);
         let planes = camera.raster_planes(&options.clipping_planes);
         let (known, coplanar) = (Known::default(), Coplanar::of(scene));
-        Frame { known, coplanar, planes, scene, rays, displacement_rays, options, camera, jitter, filter, aovs, depth }
+        Frame {
+            known,
+            coplanar,
+            planes,
+            scene,
+            rays,
+            displacement_rays,
+            options,
+            camera,
+            jitter,
+            filter,
+            aovs,
+            depth,
+            n_taken,
+            shown,
+        }
     }
 
     /// Pixels around a bucket that its filters reach into, along x and y.

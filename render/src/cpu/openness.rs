@@ -3,7 +3,7 @@
 //! A sphere closes what its disc covers of a cone; a facet what lies on the inner side of its four edges; both fade over a cone's width,
 //! so that shadows are soft and nothing is sampled: there is no noise, and what moves changes smoothly. Spheres count within some radii
 //! of theirs; facets are kept in a hierarchy whose nodes stand for all of theirs from afar, as a disc of their area as seen from
-//! there. Displaced bodies count as they are before displacement, parts of solids and what light gets through not at all. A point's answer depends on
+//! there. Of a curved surface that is not closed, facets count little beside their own points, which lie under them in a hollow. Displaced bodies count as they are before displacement, parts of solids and what light gets through not at all. A point's answer depends on
 //! no other point, so that the same bits come out however points are asked together.
 
 use crate::cpu::openness::cones::{CONES, Cones, Tint, cones, phase};
@@ -39,19 +39,19 @@ impl Surroundings {
         Surroundings { spheres: Spheres::new(scene, &items), facets: Facets::new(scene, &items) }
     }
 
-    /// Answer for places on an item: as [`sl::machine::Scene::openness`].
-    pub fn open(&self, own: Item, places: &[OpenPlace], out: &mut [Open]) {
+    /// Answer for places on an item, which is of a whole: as [`sl::machine::Scene::openness`].
+    pub fn open(&self, own: Item, whole: u32, places: &[OpenPlace], out: &mut [Open]) {
         let near = self.spheres.near(own, places);
-        places.iter().zip(out).for_each(|(place, out)| *out = self.open_at(&near, place));
+        places.iter().zip(out).for_each(|(place, out)| *out = self.open_at(whole, &near, place));
     }
 
-    fn open_at(&self, near: &Near, place: &OpenPlace) -> Open {
+    fn open_at(&self, whole: u32, near: &Near, place: &OpenPlace) -> Open {
         let [at, normal, up, sun] = [place.at, place.normal, place.up, place.sun].map(Vec3::from);
         let mut beneath = Cones::OPEN;
         let none = [0.0f32; CONES];
         let mut shut = Shut { sun, closed: none, bright: none, far: none, tint: Tint::default() };
         near.close(at, normal, &mut beneath, &mut shut.tint);
-        self.facets.close(at, normal, &mut shut);
+        self.facets.close(whole, at, normal, &mut shut);
         let open: [f32; CONES] = std::array::from_fn(|k| beneath.0[k] * (1.0 - shut.closed[k].min(1.0)));
         // Sums over the cones that face the surface: all, and what is open of them; for an even sky, one that brightens with the height,
         // and what is below the horizon. And of what is closed: how large it is, and how bright under the sun.

@@ -4,7 +4,7 @@ use crate::cpu::footprint;
 use crate::cpu::frame::Frame;
 use crate::cpu::globals::{fill_incident, surface_globals};
 use crate::cpu::view::View;
-use crate::film::display::placed;
+use crate::film::display::{SHOWN, placed};
 use crate::scene::source::{Item, ItemView};
 use crate::stats::Stats;
 use sl::Global;
@@ -151,6 +151,7 @@ fn note_outputs(frame: &Frame<'_>, item: Item, view: &ItemView<'_>, points: &Poi
         let variable = || points.variable(view.attached.slot(name)?);
         let values = match name {
             "z" | "motion" => None,
+            _ if view.attributes.matte && SHOWN.contains(&name) => None,
             "id" => Some(&id[..]),
             "Ng" => points.get(Global::Ng).filter(|v| !v.is_empty()).or(points.get(Global::N)),
             _ => machine

@@ -211,6 +211,24 @@ pub fn aovs(displays: &[Display]) -> Vec<Aov> {
     all
 }
 
+/// The output parameters of a surface shader that say what a display shows of it as it is, whatever exposes the rest: the colour, and how much of the
+/// surface's opacity that is, both without the opacity. Ci must hold that colour, too, by the opacity.
+pub const SHOWN: [&str; 2] = ["displaycolor", "displaycover"];
+
+/// The variables of [`SHOWN`], added to those that displays take; the offsets of both among the numbers of a point or pixel.
+pub fn add_shown(aovs: &mut Vec<Aov>) -> Option<[usize; 2]> {
+    for name in SHOWN {
+        if place_of(aovs, name).is_none() {
+            aovs.push(Aov { name: name.into(), kind: Kind::Color });
+        }
+    }
+    let [color, cover] = SHOWN.map(|name| {
+        let is_color = |aov: &&Aov| aov.name == name && aov.kind == Kind::Color;
+        aovs.iter().find(is_color).and_then(|_| place_of(aovs, name))
+    });
+    color.zip(cover).map(|(color, cover)| [color, cover])
+}
+
 /// Each variable with the offset of its first number among the [`depth`] numbers of a point or pixel.
 pub fn placed(aovs: &[Aov]) -> impl Iterator<Item = (usize, &Aov)> {
     aovs.iter().scan(0, |next, aov| {

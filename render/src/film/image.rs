@@ -61,6 +61,16 @@ impl Image {
         display::depth(&self.aovs)
     }
 
+    /// Forget all arbitrary output variables but the first `n`.
+    pub fn keep_variables(&mut self, n: usize) {
+        let depth = self.depth();
+        self.aovs.truncate(n);
+        let kept = self.depth();
+        if kept < depth {
+            self.extra = self.extra.chunks_exact(depth).flat_map(|own| &own[..kept]).copied().collect();
+        }
+    }
+
     /// Encode the image as the bytes of the one file that these displays share; the first display gives the format. EXR stores
     /// floats, and so does TIFF where the value of 1 and the greatest are 0. An error if no display is given, or if a PNG or TIFF file
     /// would not have 1, 3 or 4 channels.

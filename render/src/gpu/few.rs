@@ -5,7 +5,7 @@ use crate::cpu::frame::Frame;
 use crate::cpu::globals::surface_globals;
 use crate::cpu::shade::{Surface, prepare, surface_opacity};
 use crate::cpu::view::View;
-use crate::film::display::placed;
+use crate::film::display::{SHOWN, placed};
 use crate::gpu::front::Diced;
 use crate::gpu::refusal::Refusal;
 use crate::scene::source::{Item, ItemView};
@@ -174,7 +174,10 @@ impl<'k> Few<'k> {
         };
         let id = frame.scene.id_of(grid.item);
         let [x, y, z] = scene.flat.unwrap_or_default().to_array();
-        let own = [(id & 0xffff) as f32, (id >> 16) as f32, scene.bias[0], scene.bias[1], x, y, z];
+        let whole_id = frame.scene.whole_of(grid.item);
+        let halves = |n: u32| [(n & 0xffff) as f32, (n >> 16) as f32];
+        let ([low, high], [whole_low, whole_high]) = (halves(id as u32), halves(whole_id));
+        let own = [low, high, scene.bias[0], scene.bias[1], x, y, z, whole_low, whole_high];
         let shader = (&*view.attributes.surface, &view.attached.surface);
         let given = batch.n_filled();
         let (k, given_own) = add(batch, shader, points, &scene, (&own, filled))?;
@@ -239,6 +242,9 @@ impl<'k> Few<'k> {
         for (place, aov) in placed(&frame.aovs) {
             let (width, name) = (aov.width(), aov.name.as_str());
             let goal = |point: u32| (point as usize * frame.depth + place) as u32;
+            if view.attributes.matte && SHOWN.contains(&name) {
+                continue;
+            }
             if name == "motion" {
                 for (point, _) in own {
                     let values = motion.get(*point as usize - first).copied().unwrap_or_default();

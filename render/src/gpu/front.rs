@@ -437,7 +437,8 @@ fn dices_caps(frame: &Frame<'_>, view: &ItemView<'_>) -> bool {
     let is_plain = a.two_sided && !view.particle && a.displacement.is_none() && a.atmosphere.is_none();
     is_plain
         && frame.camera.perspective
-        && frame.aovs.is_empty()
+        && frame.n_taken == 0
+        && !a.is_shown()
         && !a.reads_parameters()
         && !a.reads_neighbours()
         && !a.reads(Global::DPdtime)

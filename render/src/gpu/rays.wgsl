@@ -21,6 +21,29 @@ fn near_of_start() -> vec2<f32> {
     return vec2<f32>(values[work.own + 2u], values[work.own + 3u]);
 }
 
+fn greatest(v: vec3<f32>) -> f32 {
+    return max(max(abs(v.x), abs(v.y)), abs(v.z));
+}
+
+// How deep within a sphere a point where another surface touches it may be found, in parts of the radius.
+const ON_ROUND: f32 = 1e-5;
+
+// Whether a ray begins on a sphere, or hardly within, and goes outwards; `near` is the most that this may be.
+fn leaves_ball(start: vec3<f32>, way: vec3<f32>, ball: vec4<f32>, near: f32) -> bool {
+    let to = ball.xyz - start;
+    let least = ball.w - min(near, ON_ROUND * ball.w + 4e-6 * greatest(start));
+    return dot(to, way) <= 0.0 && dot(to, to) >= least * least;
+}
+
+// The same of an ellipsoid, by the rows of the matrix that makes it the unit sphere.
+fn leaves_ellipsoid(start: vec3<f32>, way: vec3<f32>, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>, near: f32) -> bool {
+    let turned = vec3<f32>(dot(x.xyz, start), dot(y.xyz, start), dot(z.xyz, start));
+    let o = turned + vec3<f32>(x.w, y.w, z.w);
+    let d = vec3<f32>(dot(x.xyz, way), dot(y.xyz, way), dot(z.xyz, way));
+    let least = 1.0 - min(ON_ROUND + 4e-6 * greatest(turned), near * sqrt(dot(d, d)));
+    return dot(o, d) >= 0.0 && dot(o, o) >= least * least;
+}
+
 // A sphere's middle and radius.
 fn stops_ball(start: vec3<f32>, way: vec3<f32>, far: f32, ball: vec4<f32>) -> bool {
     let to = ball.xyz - start;
@@ -113,12 +136,12 @@ fn stops(start: vec3<f32>, way: vec3<f32>, far: f32, at: u32, own: u32, near: ve
     }
     let a = world_row(at + 1u);
     if head.x == 0u {
-        return stops_ball(start, way, far, a);
+        return stops_ball(start, way, far, a) && !leaves_ball(start, way, a, near.x);
     }
     let b = world_row(at + 2u);
     let c = world_row(at + 3u);
     if head.x == 1u {
-        return stops_ellipsoid(start, way, far, a, b, c);
+        return stops_ellipsoid(start, way, far, a, b, c) && !leaves_ellipsoid(start, way, a, b, c, near.x);
     }
     let t = meet_triangle(start, way, a.xyz, b.xyz, c.xyz, head.x == 2u);
     return t < far && t > near_triangle(head, is_own, b.xyz - a.xyz, c.xyz - a.xyz, start, near);
@@ -186,6 +209,9 @@ fn distance_beyond(start: vec3<f32>, way: vec3<f32>, at: u32, own: u32, near: ve
     }
     let a = world_row(at + 1u);
     if head.x == 0u {
+        if !is_own && leaves_ball(start, way, a, near.x) {
+            return -1.0;
+        }
         let o = start - a.xyz;
         let room = select(0.0, min(near.y, 0.5 * a.w), is_own);
         return root(1.0, dot(o, way), dot(o, o) - a.w * a.w, max(room, least));
@@ -193,6 +219,9 @@ fn distance_beyond(start: vec3<f32>, way: vec3<f32>, at: u32, own: u32, near: ve
     let b = world_row(at + 2u);
     let c = world_row(at + 3u);
     if head.x == 1u {
+        if !is_own && leaves_ellipsoid(start, way, a, b, c, near.x) {
+            return -1.0;
+        }
         let o = vec3<f32>(dot(a.xyz, start) + a.w, dot(b.xyz, start) + b.w, dot(c.xyz, start) + c.w);
         let d = vec3<f32>(dot(a.xyz, way), dot(b.xyz, way), dot(c.xyz, way));
         return root(dot(d, d), dot(o, d), dot(o, o) - 1.0, max(select(0.0, near.y, is_own), least));

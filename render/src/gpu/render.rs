@@ -500,7 +500,7 @@ impl<'a> Drawing<'a> {
         self.settle()?;
         let start = Instant::now();
         let n_drawn: usize = own.iter().map(|bucket| bucket.width * bucket.height).sum();
-        if options.imager.is_none() && n_drawn == self.image.pixels.len() {
+        if options.imager.is_none() && self.frame.shown.is_none() && n_drawn == self.image.pixels.len() {
             // All of it is drawn, and nothing is left to do.
             return Ok(Drawn { image: self.image, stats: self.stats, identities: self.identities });
         }
@@ -508,13 +508,11 @@ impl<'a> Drawing<'a> {
         let of_bucket = |bucket: &Bucket| {
             let rows = (bucket.y..bucket.y + bucket.height).map(|y| y * width + bucket.x);
             let mut pixels: Vec<[f32; 4]> =
-                rows.flat_map(|at| self.image.pixels[at..][..bucket.width].iter().copied()).collect();
-            if let Some(imager) = &options.imager {
-                imager::expose(options, self.frame.scene, &mut pixels);
-                let (mut machine, mut points) = (Machine::default(), Points::default());
-                let corner = [bucket.x, bucket.y];
-                imager::run(imager, self.frame.scene, &mut machine, &mut points, corner, bucket.width, &mut pixels);
-            }
+                rows.clone().flat_map(|at| self.image.pixels[at..][..bucket.width].iter().copied()).collect();
+            let extra: Vec<f32> =
+                rows.flat_map(|at| self.image.extra[at * depth..][..bucket.width * depth].iter().copied()).collect();
+            let memory = (&mut Machine::default(), &mut Points::default());
+            imager::pass(self.frame, memory, bucket, (&mut pixels, &extra));
             pixels
         };
         let finished: Vec<Vec<[f32; 4]>> = own.par_iter().map(of_bucket).collect();

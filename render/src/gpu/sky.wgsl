@@ -1,6 +1,6 @@
 // How open to the sky a place is, by cones about fixed directions.
 // Spheres are two rows: primitive, index of its half axes, whether it is an ellipsoid, its colour in ten bits a channel; middle and radius. Facets are five: four corners,
-// the first of them with 1 if it is of a closed surface, the second with its colour; the normal by its area, and its size, the square root of the area. Nodes of
+// the first of them with 1 if it is of a closed surface, the second with its colour, the third with the whole that it is of, the fourth with how far that leaves it; the normal by its area, and its size, the square root of the area. Nodes of
 // facets are three, in the order of a walk: middle and radius; sum of normals by area, and of areas; the next node that is not below, facet,
 // 1 if it is a leaf, the mean colour.
 // Twin: cpu/openness.rs
@@ -17,6 +17,10 @@ const IN_PLANE: f32 = 2e-6;
 const PAST: f32 = 0.7;
 const WIDE: f32 = 20.0;
 const SLANT: f32 = 0.6;
+const TOUCHED: f32 = 0.9999;
+const TOUCHES: f32 = 0.8;
+const HOLLOW_BESIDE: f32 = 8.0;
+const HOLLOW_UNDER: vec2<f32> = vec2<f32>(1.5, 3.0);
 
 // How much of each cone is open, or closed.
 var<private> sky_open: array<f32, 24>;
@@ -102,7 +106,7 @@ fn close_sphere(place: vec3<f32>, normal: vec3<f32>, at: u32, own: u32) {
     let to = ball.xyz - place;
     let r = ball.w;
     let d2 = dot(to, to);
-    if head.x == own || d2 >= REACH * REACH * r * r || dot(to, normal) <= -r {
+    if head.x == own || d2 >= REACH * REACH * r * r || dot(to, normal) <= -TOUCHED * r {
         return;
     }
     let d = sqrt(d2);
@@ -167,8 +171,14 @@ fn solid_angle(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> f32 {
     return 2.0 * sl_atan2(volume, l.x * l.y * l.z + dot(a, b) * l.z + dot(b, c) * l.x + dot(c, a) * l.y);
 }
 
+// How much a facet counts at a place on its own surface, which leaves it by `off`, at a height over its plane.
+fn facet_counts(above: f32, off: f32) -> f32 {
+    let under = (-above / off - HOLLOW_UNDER.x) / (HOLLOW_UNDER.y - HOLLOW_UNDER.x);
+    return smooth_step(clamp(select(under, above / (HOLLOW_BESIDE * off), above > 0.0), 0.0, 1.0));
+}
+
 // What a facet closes near by: where a cone lies within the planes through the place and its edges.
-fn close_facet(place: vec3<f32>, normal: vec3<f32>, at: u32) {
+fn close_facet(place: vec3<f32>, normal: vec3<f32>, at: u32, own: u32) {
     let sized = world_row(at + 4u);
     let area = sized.xyz;
     let size = sized.w;
@@ -185,6 +195,17 @@ fn close_facet(place: vec3<f32>, normal: vec3<f32>, at: u32) {
         return;
     }
     let side = select(1.0, -1.0, height < 0.0);
+    let off = bitcast<f32>(world[at + 3u].w);
+    var counts = 1.0;
+    let facing = dot(area, normal);
+    let above = select(-height, height, facing < 0.0);
+    let is_touched = above < 0.0 && facing > TOUCHES * size * size;
+    if off > 0.0 && (world[at + 2u].w == own || is_touched) {
+        counts = facet_counts(above, off);
+        if counts == 0.0 {
+            return;
+        }
+    }
     var edges: array<vec3<f32>, 4>;
     for (var k = 0u; k < 4u; k += 1u) {
         let m = side * cross(q[k], q[(k + 1u) & 3u]);
@@ -193,12 +214,12 @@ fn close_facet(place: vec3<f32>, normal: vec3<f32>, at: u32) {
     }
     // A cone that is wider than the facet is not covered by it whole.
     let solid = solid_angle(q[0], q[1], q[2]) + solid_angle(q[0], q[2], q[3]);
-    let most = min(1.5 * solid / SOLID, 1.0);
+    let most = counts * min(1.5 * solid / SOLID, 1.0);
     // Light comes along the way to its plane, or to its middle, whichever is more before the surface.
     let middle = 0.25 * (q[0] + q[1] + q[2] + q[3]);
     let plane = side * dot(area, normal) / (size * size);
     let toward = dot(middle, normal) / max(sqrt(dot(middle, middle)), 1e-30);
-    add_tint(world[at + 1u].w, solid / 3.14159274 * max(max(plane, toward), 0.1));
+    add_tint(world[at + 1u].w, counts * solid / 3.14159274 * max(max(plane, toward), 0.1));
     // The side that is seen, if the sun shines on it.
     let across = -area * side / (size * size);
     let bright = max(dot(across, sky_sun), 0.0);
@@ -219,6 +240,7 @@ fn close_facet(place: vec3<f32>, normal: vec3<f32>, at: u32) {
 }
 
 fn close_facets(place: vec3<f32>, normal: vec3<f32>) {
+    let own = own_whole();
     let n_nodes = world[2].z;
     var k = 0u;
     while k < n_nodes {
@@ -236,7 +258,7 @@ fn close_facets(place: vec3<f32>, normal: vec3<f32>) {
         } else {
             k += 1u;
             if next.z != 0u {
-                close_facet(place, normal, world[2].y + 5u * next.y);
+                close_facet(place, normal, world[2].y + 5u * next.y, own);
             }
         }
     }

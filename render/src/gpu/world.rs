@@ -259,8 +259,8 @@ fn push_sky(rows: &mut Vec<[u32; 4]>, sky: &Surroundings, id: &dyn Fn(Item) -> u
         }
         rows[2][1] = rows.len() as u32;
         for facet in &facets.facets {
-            let [a, mut b, c, d] = facet.corners.map(point);
-            b[3] = facet.color.0;
+            let [a, mut b, mut c, mut d] = facet.corners.map(point);
+            (b[3], c[3], d[3]) = (facet.color.0, facet.whole, facet.off.to_bits());
             let size = facet.area.length().sqrt();
             rows.extend([[a[0], a[1], a[2], facet.closed as u32], b, c, d, bits(facet.area.extend(size))]);
         }

@@ -9,7 +9,11 @@ fn world_row(at: u32) -> vec4<f32> {
 }
 
 // The primitive that is shaded, which a grid's own numbers begin with: its number in two halves; then how near the start of a ray a
-// surface does not count, others and its own, and its normal if it is flat, else 0.
+// surface does not count, others and its own, its normal if it is flat, else 0, and the number of the whole that it is of, in two halves.
 fn own_primitive() -> u32 {
     return u32(values[work.own]) + (u32(values[work.own + 1u]) << 16u);
+}
+
+fn own_whole() -> u32 {
+    return u32(values[work.own + 7u]) + (u32(values[work.own + 8u]) << 16u);
 }

@@ -1,9 +1,11 @@
 //! Attributes of primitives (RISpec section 5).
 
+use crate::film::display::SHOWN;
 use crate::scene::area::Emitter;
 use crate::scene::keys;
 use glam::{Mat4, Vec3};
 use sl::Global;
+use sl::ir::Kind;
 use sl::machine::BoundShader;
 use std::sync::Arc;
 
@@ -310,6 +312,13 @@ impl Attributes {
             && alike(&self.atmosphere, &other.atmosphere)
             && self.light_list.len() == other.light_list.len()
             && self.light_list.iter().zip(other.light_list.iter()).all(|(a, b)| Arc::ptr_eq(a, b))
+    }
+
+    /// Whether its surface shader says what a display shows of it: [`SHOWN`].
+    pub fn is_shown(&self) -> bool {
+        let params = &self.surface.program.params;
+        let gives = |name: &str| params.iter().any(|p| p.output && p.kind == Kind::Color && p.name == name);
+        !self.matte && SHOWN.into_iter().all(gives)
     }
 
     /// Whether it has volume shaders for rays.

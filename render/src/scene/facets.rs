@@ -77,6 +77,12 @@ impl Cut {
         (0..nu * nv).map(move |k| [(k % nu) as f32 * wu, (k / nu) as f32 * wv])
     }
 
+    /// The parameters of the facets, in the order of [`quads_of`]: u and v in the middle, and half the widths.
+    pub(crate) fn pieces(self) -> impl Iterator<Item = [[f32; 2]; 2]> {
+        let half = self.widths().map(|w| 0.5 * w);
+        self.corners().map(move |[u, v]| [[u + half[0], v + half[1]], half])
+    }
+
     /// A facet's width in u and v.
     fn widths(self) -> [f32; 2] {
         self.n.map(|n| 1.0 / n as f32)

@@ -2,10 +2,11 @@
 
 use crate::cpu::openness::cones::{Axes, CONES, Cap, Packed, SIN, SOLID, Tint, axes, phase, smooth};
 use crate::scene::facets::{Cut, quads_of};
+use crate::scene::patch::Patch;
 use crate::scene::shape::Shape;
 use crate::scene::source::Item;
 use crate::scene::world::Scene;
-use glam::Vec3;
+use glam::{Mat4, Vec3};
 use std::f32::consts::PI;
 
 /// Radii of a node's sphere from its middle, from which on it stands for its facets.
@@ -22,6 +23,18 @@ const IN_PLANE: f32 = 2e-6;
 const WIDE: f32 = 20.0;
 const SLANT: f32 = 0.6;
 
+/// The height of a point over a facet of its own curved surface, in parts of how far that leaves the facet, from which on the facet counts in
+/// full: what lies beside the point is a part of the surface, which bends there and not at the facet's edge.
+const HOLLOW_BESIDE: f32 = 8.0;
+
+/// The depths of a point under such a facet, in the same parts, up to which it does not count at all, and from which on it does in full: under
+/// the chord of a hollow the surface itself lies at the first.
+const HOLLOW_UNDER: [f32; 2] = [1.5, 3.0];
+
+/// The cosine between the normals of a facet and of a point of another surface under it, from which on the two surfaces are taken to touch there
+/// from within, as the round end of a tube does.
+const TOUCHES: f32 = 0.8;
+
 /// A facet of four corners; of a triangle two are the same.
 #[derive(Clone, Copy)]
 pub struct Facet {
@@ -30,6 +43,9 @@ pub struct Facet {
     pub area: Vec3,
     pub closed: bool,
     pub color: Packed,
+    /// The whole that it is of, and how far that surface leaves it, m; 0 of what is flat or closed.
+    pub whole: u32,
+    pub off: f32,
 }
 
 /// Facets, seen from afar.
@@ -70,10 +86,8 @@ impl Facets {
         let mut facets = vec![];
         for item in items {
             if let (Shape::Patches(patches, _), to_world) = scene.place(*item) {
-                let (first, color) = (facets.len(), Packed::new(scene.view(*item).color));
-                let quads = patches.iter().flat_map(|p| quads_of(p, Cut::even(p), to_world));
-                facets.extend(quads.filter_map(|corners| facet_of(corners, color)));
-                orient(&mut facets[first..]);
+                let color = Packed::new(scene.view(*item).color);
+                add_facets(&mut facets, patches, to_world, scene.whole_of(*item), color);
             }
         }
         let mut nodes = vec![];
@@ -83,8 +97,8 @@ impl Facets {
         Facets { facets, nodes }
     }
 
-    /// Close the cones of a point.
-    pub fn close(&self, at: Vec3, normal: Vec3, shut: &mut Shut) {
+    /// Close the cones of a point on a whole.
+    pub fn close(&self, own: u32, at: Vec3, normal: Vec3, shut: &mut Shut) {
         if self.nodes.is_empty() {
             return;
         }
@@ -103,7 +117,7 @@ impl Facets {
             if d2 > FAR * FAR * node.radius * node.radius {
                 node.close(to, d2, normal, cones, shut);
             } else if node.leaf {
-                self.facets[node.next as usize].close(at, normal, cones, shut);
+                self.facets[node.next as usize].close(own, [at, normal], cones, shut);
             } else {
                 stack[top] = node.next;
                 stack[top + 1] = k + 1;
@@ -113,25 +127,47 @@ impl Facets {
     }
 }
 
-/// A facet of some corners, if it has an area.
-fn facet_of(corners: [Vec3; 4], color: Packed) -> Option<Facet> {
-    let [a, b, c, d] = corners;
-    let area = 0.5 * (c - a).cross(d - b);
-    (area.length() > 0.0 && area.is_finite()).then_some(Facet { corners, area, closed: false, color })
+/// Add the facets of the patches of an item.
+fn add_facets(facets: &mut Vec<Facet>, patches: &[Patch], to_world: Mat4, whole: u32, color: Packed) {
+    let first = facets.len();
+    let mut pieces = vec![];
+    for patch in patches {
+        let cut = Cut::even(patch);
+        for (corners, piece) in quads_of(patch, cut, to_world).zip(cut.pieces()) {
+            if let Some(facet) = facet_of(corners, color, whole) {
+                facets.push(facet);
+                pieces.push((patch, piece));
+            }
+        }
+    }
+    // What is closed is seen from outside, where its facets are behind those that bend away from them.
+    if !orient(&mut facets[first..]) {
+        let all = facets[first..].iter_mut().zip(pieces);
+        all.for_each(|(facet, (patch, piece))| facet.off = facet.leaves(patch, piece, to_world));
+    }
 }
 
-/// Where the facets of an item enclose it, mark them and turn their normals outwards.
-fn orient(facets: &mut [Facet]) {
+/// A facet of some corners, if it has an area.
+fn facet_of(corners: [Vec3; 4], color: Packed, whole: u32) -> Option<Facet> {
+    let [a, b, c, d] = corners;
+    let area = 0.5 * (c - a).cross(d - b);
+    (area.length() > 0.0 && area.is_finite()).then_some(Facet { corners, area, closed: false, color, whole, off: 0.0 })
+}
+
+/// Where the facets of an item enclose it, mark them and turn their normals outwards; whether they do.
+fn orient(facets: &mut [Facet]) -> bool {
     let (mut sum, mut all, mut volume) = (Vec3::ZERO, 0.0, 0.0);
-    let Some(origin) = facets.first().map(|f| f.corners[0]) else { return };
+    let Some(origin) = facets.first().map(|f| f.corners[0]) else { return false };
     for facet in &*facets {
         (sum, all) = (sum + facet.area, all + facet.area.length());
         volume += (facet.middle() - origin).dot(facet.area);
     }
-    if sum.length() < 0.02 * all && facets.len() > 3 {
+    let encloses = sum.length() < 0.02 * all && facets.len() > 3;
+    if encloses {
         let side = if volume < 0.0 { -1.0 } else { 1.0 };
         facets.iter_mut().for_each(|facet| (facet.area, facet.closed) = (side * facet.area, true));
     }
+    encloses
 }
 
 /// Put facets in the order of a hierarchy's leaves, and add its nodes, depth first.
@@ -192,8 +228,33 @@ impl Facet {
         0.25 * self.corners.iter().sum::<Vec3>()
     }
 
-    /// What it closes near by: where a cone lies within the planes through the point and its edges.
-    fn close(&self, at: Vec3, normal: Vec3, cones: &Axes, shut: &mut Shut) {
+    /// How far the piece of a patch that it stands for leaves its plane, m: `piece` has the middle and the half width of its parameters.
+    fn leaves(&self, patch: &Patch, [[u, v], [du, dv]]: [[f32; 2]; 2], to_world: Mat4) -> f32 {
+        if patch.flat {
+            return 0.0;
+        }
+        let normal = self.area.normalize_or_zero();
+        let height = |p: Vec3| (p - self.corners[0]).dot(normal).abs();
+        let ways = [(0.0, 0.0), (du, 0.0), (-du, 0.0), (0.0, dv), (0.0, -dv)];
+        let on_patch = ways.map(|(x, y)| height(to_world.transform_point3(patch.at(u + x, v + y))));
+        let most = on_patch.into_iter().chain(self.corners.map(height)).fold(0.0, f32::max);
+        let rounding = IN_PLANE * (self.area.length().sqrt() + self.corners[0].length());
+        if most > rounding && most.is_finite() { most } else { 0.0 }
+    }
+
+    /// How much it counts at a point of its own surface that is so high over its plane, on the side that the surface faces there: not where
+    /// it stands for the surface about the point, which it would hide the sky from in a hollow.
+    fn counts(&self, above: f32) -> f32 {
+        let part = if above > 0.0 {
+            above / (HOLLOW_BESIDE * self.off)
+        } else {
+            (-above / self.off - HOLLOW_UNDER[0]) / (HOLLOW_UNDER[1] - HOLLOW_UNDER[0])
+        };
+        smooth(part.clamp(0.0, 1.0))
+    }
+
+    /// What it closes near a point on a whole, with its normal there: where a cone lies within the planes through the point and its edges.
+    fn close(&self, own: u32, [at, normal]: [Vec3; 2], cones: &Axes, shut: &mut Shut) {
         let q = self.corners.map(|p| p - at);
         let size = self.area.length().sqrt();
         let in_plane = IN_PLANE * (size + at.length() + q[0].length() + q[2].length());
@@ -205,13 +266,20 @@ impl Facet {
             return;
         }
         let side = height.signum();
+        let facing = self.area.dot(normal);
+        let above = -height * facing.signum();
+        let is_touched = above < 0.0 && facing > TOUCHES * size * size;
+        let counts = if self.off > 0.0 && (self.whole == own || is_touched) { self.counts(above) } else { 1.0 };
+        if counts == 0.0 {
+            return;
+        }
         let edges = [0, 1, 2, 3].map(|k| (side * q[k].cross(q[(k + 1) % 4])).normalize_or_zero());
         // A cone that is wider than the facet is not covered by it whole.
         let solid = solid_angle([q[0], q[1], q[2]]) + solid_angle([q[0], q[2], q[3]]);
-        let most = (1.5 * solid / SOLID).min(1.0);
+        let most = counts * (1.5 * solid / SOLID).min(1.0);
         // Light comes along the way to its plane, or to its middle, whichever is more before the surface.
         let (plane, middle) = (side * self.area.dot(normal) / (size * size), (self.middle() - at).normalize_or_zero());
-        shut.tint.add(self.color, solid / PI * plane.max(middle.dot(normal)).max(0.1));
+        shut.tint.add(self.color, counts * solid / PI * plane.max(middle.dot(normal)).max(0.1));
         let mut cover = [most; CONES];
         for edge in edges.iter().filter(|edge| **edge != Vec3::ZERO) {
             for (k, cover) in cover.iter_mut().enumerate() {

@@ -12,6 +12,10 @@ use sl::machine::OpenPlace;
 const REACH: f32 = 5.0;
 const FADES: f32 = 3.0;
 
+/// The depth of a sphere's middle under the plane of a surface, in radii, from which on it does not count: what touches that from below, as
+/// the round end of a tube does, is not over it, but for rounding.
+const TOUCHED: f32 = 0.9999;
+
 /// A sphere, or an ellipsoid by its half axes.
 #[derive(Clone, Copy)]
 pub struct Round {
@@ -88,7 +92,7 @@ impl Near<'_> {
         for round in &self.rounds {
             let to = round.center - at;
             let (d2, r) = (to.length_squared(), round.radius);
-            if d2 >= REACH * REACH * r * r || to.dot(normal) <= -r {
+            if d2 >= REACH * REACH * r * r || to.dot(normal) <= -TOUCHED * r {
                 continue;
             }
             let d = d2.sqrt();

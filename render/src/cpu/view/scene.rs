@@ -111,7 +111,7 @@ impl sl::machine::Scene for View<'_> {
     }
 
     fn openness(&self, places: &[OpenPlace], open: &mut [Open]) {
-        self.rays.surroundings(self.scene).open(self.item, places, open);
+        self.rays.surroundings(self.scene).open(self.item, self.scene.whole_of(self.item), places, open);
     }
 
     fn traces(&self, many: bool) -> bool {
