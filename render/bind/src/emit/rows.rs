@@ -144,6 +144,7 @@ impl<'a> Rows<'a> {
             scale: self.scale(&object.shape)?,
             position: self.vectors("position", exprs(&object.position))?,
             orientation: self.orientation(object)?,
+            offset: vec![],
             params: vec![],
             moved: None,
         };
