@@ -7,9 +7,11 @@ use crate::cpu::rays::say_open;
 use crate::cpu::render::render;
 use crate::cpu::volumes::say_idle;
 use crate::drawn::Drawn;
+use crate::film::display::aovs;
 use crate::film::filter::FilterKind;
 use crate::film::image::{Image, expose};
 use crate::scene::camera::Camera;
+use crate::scene::channels::say_unprovided;
 use crate::scene::emitters;
 use crate::scene::motion;
 use crate::scene::options::{Hider, Options};
@@ -123,6 +125,7 @@ impl Context {
         let Some(to_camera) = self.to_camera.take() else { return Err(Fail::new("WorldEnd without WorldBegin")) };
         // What is found wrong while the image is drawn has no place in the file.
         self.scene.warnings.set_place(None);
+        say_unprovided(&self.scene, &aovs(&self.options.displays));
         if self.dry {
             return Ok(());
         }
