@@ -210,6 +210,25 @@ pub struct Lens {
     pub focus: Option<f32>,
 }
 
+impl Lens {
+    /// Check that it can be focused, where what is looked at is `distance` m away; in a frame, if it is of one. The error is at the key of the focal length.
+    pub fn check(&self, doc: &Document, distance: f32, frame: Option<u64>) -> Result<(), Fault> {
+        let focus = self.focus.unwrap_or(distance);
+        if self.focal_length < focus {
+            return Ok(());
+        }
+        let frame = frame.map_or(String::new(), |number| format!(" in frame {number}"));
+        let length = self.focal_length;
+        let message = format!("is {length} m, expected less than the distance of what is in focus, {focus} m{frame}");
+        let hint = if length >= 1.0 {
+            format!("lengths are in metres: of a lens of {length} mm it is {}", length / 1000.0)
+        } else {
+            "lengths are in metres".into()
+        };
+        Err(doc.fault("camera.lens.focal_length", message).hint(hint))
+    }
+}
+
 /// Resolution, sampling and file format of images.
 #[derive(Clone, Debug)]
 pub struct Output {

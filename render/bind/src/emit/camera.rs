@@ -167,6 +167,9 @@ pub(super) fn followed(binding: &Binding, follow: &Formula, frame: &Frame) -> Re
     let fault = |message: String| binding.doc.fault(&follow.key, message);
     let rows = follow.expr.select(frame).map_err(fault)?;
     for (k, name) in ["pos_x", "pos_y", "pos_z"].into_iter().enumerate() {
+    if let Some(lens) = &camera.lens {
+        lens.check(&binding.doc, (Vec3::from(at) - Vec3::from(eye)).length(), Some(frame.number))?;
+    }
         let mut values = Expr::column(name).numbers(frame, &rows).map_err(fault)?;
         values.retain(|x| x.is_finite());
         if values.is_empty() {

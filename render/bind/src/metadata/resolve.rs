@@ -130,18 +130,7 @@ fn camera(c: &CameraSpec, doc: &Document) -> Result<Camera, Fault> {
     if c.file.is_some() && (moves || c.view.is_some()) {
         return Err(doc.fault("camera", "a camera from a file stays as the file has it"));
     }
-    let lens = c.lens.as_ref();
-    let lens = lens.map(|l| Lens { f_stop: l.f_stop, focal_length: l.focal_length, focus: l.focus });
-    if let Some(lens) = &lens {
-        if c.file.is_some() || c.orthographic.is_some() {
-            return Err(doc.fault("camera.lens", "belongs to a camera with `eye` and `look_at` in perspective"));
-        }
-        let numbers =
-            [("f_stop", lens.f_stop), ("focal_length", lens.focal_length), ("focus", lens.focus.unwrap_or(1.0))];
-        if let Some((name, _)) = numbers.iter().find(|(_, x)| !(*x > 0.0 && x.is_finite())) {
-            return Err(doc.fault(&format!("camera.lens.{name}"), "expected a number above 0"));
-        }
-    }
+    let lens = lens(c, doc)?;
     if c.stereo.is_some_and(|s| !(s > 0.0 && s.is_finite())) {
         return Err(doc.fault("camera.stereo", "expected the distance of the eyes in metres, more than 0"));
     }
@@ -178,6 +167,9 @@ fn camera(c: &CameraSpec, doc: &Document) -> Result<Camera, Fault> {
     let keys = keys(c, (eye, look_at), doc)?;
     Ok(Camera::Placed(Box::new(Placed {
         eye,
+    if let Some(lens) = lens.as_ref().filter(|_| c.keys.is_empty()) {
+        lens.check(doc, way.length(), None)?;
+    }
         look_at,
         up,
         projection,
@@ -196,6 +188,23 @@ fn camera(c: &CameraSpec, doc: &Document) -> Result<Camera, Fault> {
 fn keys(c: &CameraSpec, (mut eye, mut look_at): ([f32; 3], [f32; 3]), doc: &Document) -> Result<Vec<Key>, Fault> {
     let mut fov = c.orthographic.unwrap_or(c.fov);
     let mut keys: Vec<Key> = vec![];
+/// The lens of a camera in perspective, if it has one.
+fn lens(c: &CameraSpec, doc: &Document) -> Result<Option<Lens>, Fault> {
+    let lens = c.lens.as_ref();
+    let lens = lens.map(|l| Lens { f_stop: l.f_stop, focal_length: l.focal_length, focus: l.focus });
+    if let Some(lens) = &lens {
+        if c.file.is_some() || c.orthographic.is_some() {
+            return Err(doc.fault("camera.lens", "belongs to a camera with `eye` and `look_at` in perspective"));
+        }
+        let numbers =
+            [("f_stop", lens.f_stop), ("focal_length", lens.focal_length), ("focus", lens.focus.unwrap_or(1.0))];
+        if let Some((name, _)) = numbers.iter().find(|(_, x)| !(*x > 0.0 && x.is_finite())) {
+            return Err(doc.fault(&format!("camera.lens.{name}"), "expected a number above 0"));
+        }
+    }
+    Ok(lens)
+}
+
     for (k, spec) in c.keys.iter().enumerate() {
         let fault = |name: &str, message: &str| Err(doc.fault(&format!("camera.keys.{k}.{name}"), message));
         if !spec.frame.is_finite() || keys.last().is_some_and(|last| last.frame >= spec.frame) {
