@@ -25,6 +25,10 @@ pub fn check(metadata: Metadata, doc: Document) -> Result<Binding, Fault> {
     let data = metadata.data.map(|data| resolve_data(data, delimiter, &doc)).transpose()?;
     let compile = |(i, object): (usize, types::Object)| resolve_object(object, i, &doc)?.compile(&doc, i);
     let objects = metadata.objects.into_iter().enumerate().map(compile).collect::<Result<Vec<Object>, _>>()?;
+    if let Some(i) = frame::repeated(objects.iter().map(|object| object.name.as_str())) {
+        let message = format!("two objects are named `{}`: scenes take objects by their names", objects[i].name);
+        return Err(doc.fault(&format!("objects.{i}.name"), message));
+    }
     let stereo = metadata.camera.as_ref().and_then(|spec| spec.stereo);
     let follow = metadata.camera.and_then(|spec| spec.follow);
     if let (Some(Camera::Placed(placed)), Some(text)) = (&mut camera, follow) {
