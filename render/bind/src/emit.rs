@@ -224,7 +224,7 @@ pub fn stand(binding: &Binding, frame: &Frame) -> Result<Option<Stand>, Fault> {
 
 /// The instances of all objects, and what the rows lack. An error if a column is missing, or if a value is no number.
 pub fn prepare<'a>(binding: &'a Binding, moment: &Moment) -> Result<(Vec<Prepared<'a>>, Missing), Fault> {
-    let mut missing = Missing::default();
+    let mut missing = Missing { columns: missing::columns(binding, moment.frame), ..Missing::default() };
     let mut prepared = Vec::new();
     for (i, object) in binding.objects.iter().enumerate() {
         let object = instances::prepare(binding, i, object, moment)?;
