@@ -167,13 +167,13 @@ fn camera(c: &CameraSpec, doc: &Document) -> Result<Camera, Fault> {
     if !(way.cross(up.into()).length() > 0.0) {
         return Err(doc.fault("camera", "cannot look along `up`, nor at the place where it stands"));
     }
+    if let Some(lens) = lens.as_ref().filter(|_| c.keys.is_empty()) {
+        lens.check(doc, way.length(), None)?;
+    }
     let projection = c.orthographic.map_or(Projection::Perspective(c.fov), Projection::Parallel);
     let keys = keys(c, (eye, look_at), doc)?;
     Ok(Camera::Placed(Box::new(Placed {
         eye,
-    if let Some(lens) = lens.as_ref().filter(|_| c.keys.is_empty()) {
-        lens.check(doc, way.length(), None)?;
-    }
         look_at,
         up,
         projection,
@@ -188,10 +188,6 @@ fn camera(c: &CameraSpec, doc: &Document) -> Result<Camera, Fault> {
     })))
 }
 
-/// The keyframes: what one does not give is as before.
-fn keys(c: &CameraSpec, (mut eye, mut look_at): ([f32; 3], [f32; 3]), doc: &Document) -> Result<Vec<Key>, Fault> {
-    let mut fov = c.orthographic.unwrap_or(c.fov);
-    let mut keys: Vec<Key> = vec![];
 /// The lens of a camera in perspective, if it has one.
 fn lens(c: &CameraSpec, doc: &Document) -> Result<Option<Lens>, Fault> {
     let lens = c.lens.as_ref();
@@ -209,6 +205,10 @@ fn lens(c: &CameraSpec, doc: &Document) -> Result<Option<Lens>, Fault> {
     Ok(lens)
 }
 
+/// The keyframes: what one does not give is as before.
+fn keys(c: &CameraSpec, (mut eye, mut look_at): ([f32; 3], [f32; 3]), doc: &Document) -> Result<Vec<Key>, Fault> {
+    let mut fov = c.orthographic.unwrap_or(c.fov);
+    let mut keys: Vec<Key> = vec![];
     for (k, spec) in c.keys.iter().enumerate() {
         let fault = |name: &str, message: &str| Err(doc.fault(&format!("camera.keys.{k}.{name}"), message));
         if !spec.frame.is_finite() || keys.last().is_some_and(|last| last.frame >= spec.frame) {
@@ -264,13 +264,28 @@ fn resolve_object(object: types::Object, i: usize, doc: &Document) -> Result<Obj
         surface: object.surface.map(shader),
         displacement: object.displacement.map(shader),
         color: match object.color {
-            types::Color::Rgb(rgb) => Color::Rgb(rgb),
+            types::Color::Rgb(rgb) => Color::Rgb(within_one(rgb, i, doc)?),
             types::Color::Column(by) => Color::By { value: text(by.column), map: by.map, range: by.range },
         },
         opacity: object.opacity,
         attributes: vec![],
         is_ground: object.ground,
     })
+}
+
+/// Check that a colour reflects no more than all light.
+fn within_one(rgb: [f32; 3], i: usize, doc: &Document) -> Result<[f32; 3], Fault> {
+    let Some(x) = rgb.iter().find(|x| **x < 0.0 || **x > 1.0) else { return Ok(rgb) };
+    let fault = doc.fault(&format!("objects.{i}.color"), format!("has {x}, expected numbers from 0 to 1"));
+    if rgb.iter().any(|x| !(0.0..=255.0).contains(x)) {
+        return Err(fault);
+    }
+    // Linear, as colours of a metadata file are.
+    let [r, g, b] = rgb.map(|x| ((x / 255.0).powf(2.2) * 1000.0).round() / 1000.0);
+    Err(fault.hint(format!(
+        "colours are linear: of the 8-bit colour {}, {}, {} of a screen it is [{r}, {g}, {b}]",
+        rgb[0], rgb[1], rgb[2]
+    )))
 }
 
 /// The one shape of a geometry of the `i`th object; none if it has several, or none.
