@@ -8,7 +8,7 @@ const SCENE: &str = "#scree override Format\n#scree override Display\n#scree ove
      #scree inject camera\nWorldBegin\n#scree override ShadingRate\n#scree inject objects\nWorldEnd\n";
 
 /// Places in object space as colours.
-const TELL: &str = "surface tell() { point q = transform(\"object\", P); Oi = 1; Ci = color(0.5, 0.5, 0.5) + color(xcomp(q), ycomp(q), zcomp(q)); }\n";
+const TELL: &str = "surface tell() { point q = transform(\"object\", P); Oi = 1; Ci = color(0.5, 0.5, 0.5) + 0.4 * color(xcomp(q), ycomp(q), zcomp(q)); }\n";
 
 /// Write a file into a folder.
 fn write(folder: &Path, name: &str, text: &str) -> String {
@@ -64,10 +64,11 @@ fn object_space_is_in_metres_for_every_geometry() {
         assert!(body.len() > 60, "{geometry}: {} pixels", body.len());
         for ([x, y], [r, g, b, _]) in &body {
             // Turned about y, the body's own z is along x.
-            let along = if more.is_empty() { r - 0.5 } else { b - 0.5 };
+            let along = (if more.is_empty() { r } else { b } - 0.5) / 0.4;
+            let across = (g - 0.5) / 0.4;
             let is_inside = body.iter().filter(|([u, v], _)| (u - x).abs() + (v - y).abs() < 0.11).count() == 13;
-            let off = (along - x).abs().max((g - 0.5 - y).abs());
-            assert!(!is_inside || off < 0.02, "{geometry}: at ({x}, {y}) object space has ({along}, {})", g - 0.5);
+            let off = (along - x).abs().max((across - y).abs());
+            assert!(!is_inside || off < 0.02, "{geometry}: at ({x}, {y}) object space has ({along}, {across})");
         }
         // As RIB the frame is the same image.
         let rib = work.path().join("frame.rib");
