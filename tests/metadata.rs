@@ -75,7 +75,9 @@ fn object_space_is_in_metres_for_every_geometry() {
         std::fs::write(&rib, scree(&["rib", &file, "-f", "0"]).ok()).unwrap();
         let out = work.path().join("r");
         scree(&["render", rib.to_str().unwrap(), "-o", out.to_str().unwrap(), "--backend", "cpu"]).ok();
-        let again = pixels(&crate::cli::images(&out)[0]);
+        let again = &crate::cli::images(&out)[0];
+        assert!(again.extension().is_some_and(|ending| ending == "exr"), "{again:?}");
+        let again = pixels(again);
         let differ = found.iter().zip(&again).filter(|(a, b)| (0..3).any(|c| (a.1[c] - b.1[c]).abs() > 0.02)).count();
         assert!(differ < 8, "{geometry}: {differ} pixels of the RIB differ");
     }

@@ -113,8 +113,9 @@ impl Context {
                 }
                 _ => {
                     return Err(Fail::new(format!(
-                        "parameter `{}` of `{name}` has the wrong type, expected {wanted:?}",
-                        param.decl.name
+                        "parameter `{}` of `{name}` has the wrong type, expected {}",
+                        param.decl.name,
+                        wanted.name()
                     )));
                 }
             }
