@@ -7,6 +7,7 @@ use crate::overlay::{Overlay, Prepared};
 use crate::report::{Exit, Failure, Outcome};
 use crate::shader;
 use crate::source::{self, Yaml};
+use bind::binding::Shape;
 use bind::{Moment, emit};
 use frame::{Fault, FaultKind};
 use render::Context;
@@ -138,12 +139,22 @@ fn check_image(job: &ImageJob, said: &mut Said) -> Outcome {
     let overlays = Prepared::find(&job.binding, &job.source)?;
     Overlay::of(&job.binding, &overlays, &table)?.check(job.binding.output.resolution)?;
     let moment = Moment::of(&job.binding, &job.source, &table)?;
+    check_trails(job)?;
     let missing = emit::frame(&job.binding, &moment, &image.to_string_lossy(), &job.files, &mut context)?;
     let mut values = MissingValues::default();
     values.add(frame, &missing);
     said.notes.extend(values.notes());
     said.warnings.extend(values.warnings());
     said.warnings.extend(context.warnings().iter().map(|w| w.to_string()));
+    Ok(())
+}
+
+/// Check that the trails of a job can be drawn: of the second frame, since the first has nothing before it.
+fn check_trails(job: &ImageJob) -> Outcome {
+    let has_trails = job.binding.objects.iter().any(|object| matches!(object.shape, Shape::Trail(_)));
+    let Some(second) = job.source.numbers().get(1).copied().filter(|_| has_trails) else { return Ok(()) };
+    let table = job.source.read(second)?;
+    Moment::of(&job.binding, &job.source, &table)?;
     Ok(())
 }
 

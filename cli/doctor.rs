@@ -169,7 +169,9 @@ impl Findings {
         match &self.slurm {
             Some(slurm) => {
                 let most = slurm.most_tasks.map_or("not answering".into(), |n| format!("arrays of up to {n} tasks"));
-                println!("cluster: {}, {most}", slurm.version);
+                let version = if slurm.version.is_empty() { "Slurm" } else { &slurm.version };
+                println!("cluster: {version}, {most}");
+                slurm.faults.iter().for_each(|fault| println!("  {fault}"));
                 for p in &slurm.partitions {
                     println!(
                         "  partition {}: {} nodes of {} processors and {} MB, up to {}",

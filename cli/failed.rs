@@ -85,6 +85,11 @@ impl MissingValues {
             Some(absent) => absent.retain(|name| missing.absent.contains(name)),
             None => self.absent = Some(missing.absent.clone()),
         }
+        for said in &missing.columns {
+            if !self.all.columns.contains(said) {
+                self.all.columns.push(said.clone());
+            }
+        }
         self.n_frames += 1;
         self.undrawn_in = self.undrawn_in.or((missing.undrawn.rows > 0).then_some(frame));
         self.uncolored_in = self.uncolored_in.or((missing.uncolored.rows > 0).then_some(frame));
@@ -103,7 +108,7 @@ impl MissingValues {
         self.absent.iter().flatten().map(note).collect()
     }
 
-    /// What rows lack.
+    /// What rows lack, and columns that the data has not.
     pub fn warnings(&self) -> Vec<String> {
         let warning = |lack: &Lack, frame: Option<u64>, effect: &str| {
             let ((row, text), frame) = (lack.first.as_ref()?, frame?);
@@ -114,6 +119,7 @@ impl MissingValues {
         };
         let undrawn = warning(&self.all.undrawn, self.undrawn_in, "not drawn for want of a value or a size");
         let effect = "drawn in magenta for want of a value of the colour";
-        undrawn.into_iter().chain(warning(&self.all.uncolored, self.uncolored_in, effect)).collect()
+        let rows = undrawn.into_iter().chain(warning(&self.all.uncolored, self.uncolored_in, effect));
+        self.all.columns.iter().cloned().chain(rows).collect()
     }
 }

@@ -7,6 +7,7 @@ use crate::library;
 use crate::model_run;
 use crate::ranges;
 use crate::report::{Exit, Failure, Outcome, Printed};
+use bind::binding::ImageFormat;
 use bind::{Moment, emit};
 use frame::list;
 use render::ri::writer::Writer;
@@ -27,10 +28,12 @@ pub fn run(job: RibJob) -> Outcome {
     let files = binding.files(library::files(&binding.folder()));
     levels::settle(&mut binding, &source, &files);
     let mut writer = Writer::new(Vec::new()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
+    // A name that ends otherwise would have the image written in another format.
+    let ending = if binding.output.format == ImageFormat::Exr { "exr" } else { "png" };
     let missing = emit::frame(
         &binding,
         &Moment::of(&binding, &source, &table)?,
-        &format!("{:06}.png", job.frame),
+        &format!("{:06}.{ending}", job.frame),
         &files,
         &mut writer,
     )?;

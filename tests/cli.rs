@@ -5,7 +5,8 @@ use std::process::{Command, Output};
 
 /// What a call of the command answered.
 pub struct Answer {
-    output: Output,
+    /// What it has printed, and how it ended.
+    pub output: Output,
     call: String,
 }
 

@@ -1,7 +1,7 @@
 //! The command line: the help of every command as a terminal of 80 columns shows it, the messages of wrong values, and the layers of
 //! `cli/`.
 
-use crate::cli::{scree, scree_with};
+use crate::cli::{scratch, scree, scree_with};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -244,4 +244,20 @@ fn files_of_the_command_use_only_lower_layers() {
         left.remove(name);
     }
     assert!(left.is_empty(), "circles among {left:#?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_scheduler_that_does_not_answer_is_not_taken_for_none() {
+    use std::os::unix::fs::PermissionsExt;
+    let work = scratch();
+    let said = |path: &str| scree_with(&[("PATH", path)], &["doctor", work.path().to_str().unwrap()]).ok();
+    assert!(said(work.path().to_str().unwrap()).contains("Slurm is not on PATH"));
+    let sinfo = work.path().join("sinfo");
+    std::fs::write(&sinfo, "#!/bin/sh\necho 'cannot reach the controller' >&2\nexit 1\n").unwrap();
+    std::fs::set_permissions(&sinfo, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let found = said(work.path().to_str().unwrap());
+    assert!(!found.contains("Slurm is not on PATH"), "{found}");
+    assert!(found.contains("sinfo does not answer: cannot reach the controller"), "{found}");
+    assert!(found.contains("sbatch does not answer"), "{found}");
 }

@@ -72,10 +72,17 @@ fn tables_of_others_are_plotted_by_their_own_names_and_units() {
     let other = write("two.csv", "time,a\n0,1\n1,2\n");
     scree(&["plot", other.to_str().unwrap()]).ok();
     assert!(plots.join("one_a_number.png").exists() && plots.join("two_a_number.png").exists());
+    for name in ["Time", "t", "TIME [s]", "Time (s)"] {
+        let other = write("three.csv", &format!("{name},a\n0,1\n1,2\n"));
+        scree(&["plot", other.to_str().unwrap()]).ok();
+        assert!(plots.join("three_a_number.png").exists(), "{name}");
+        std::fs::remove_file(plots.join("three_a_number.png")).unwrap();
+    }
     for (table, says) in [
         ("time,a\n1,1\n0,2\n", "goes back from 1 to 0 s in row 2"),
         ("time [year],a\n1,1\n", "has the unit [year]"),
-        ("time,a\n0,x\n1,y\n", "has no columns of numbers beside `time`"),
+        ("time,a\n0,x\n1,y\n", "has no columns of numbers beside the times"),
+        ("x,a\n0,1\n", "has no column of times, `time` or `t`"),
     ] {
         assert!(scree(&["plot", write("bad.csv", table).to_str().unwrap()]).fails(4).contains(says), "{says}");
     }
@@ -169,5 +176,5 @@ fn many_curves_go_into_several_plots_and_tables_are_plotted() {
     assert!(has(&first, "sum  (probes.csv), 1 of 2") && has(&first, "c11") && !has(&first, "c12"), "{first:?}");
     assert!(has(&second, "c12") && has(&second, "c14"), "{second:?}");
     std::fs::write(&table, "x,y\n1,2\n").unwrap();
-    assert!(scree(&["plot", table.to_str().unwrap()]).fails(4).contains("no column `time`"));
+    assert!(scree(&["plot", table.to_str().unwrap()]).fails(4).contains("no column of times, `time` or `t`"));
 }

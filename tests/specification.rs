@@ -135,6 +135,7 @@ fn options_and_attributes_that_are_described_are_known_and_others_are_warned_of(
                 "sense" => "\"string sense\" [\"inside\"]".into(),
                 "name" | "shadinggroup" => format!("\"string {name}\" [\"a\"]"),
                 "coordinatesystem" => "\"float sphere\" [1] \"string coordinatesystem\" [\"world\"]".into(),
+                _ if group == "shape" && name != "kind" => format!("\"float[3] {name}\" [1 2 3]"),
                 _ if group == "visibility" => format!("\"float {name}\" [1]"),
                 _ => format!("\"float {name}\" [16]"),
             };

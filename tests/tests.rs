@@ -35,6 +35,7 @@ mod light;
 mod looks;
 mod marks;
 mod mechanisms;
+mod metadata;
 mod motors;
 mod movies;
 mod outputs;

@@ -42,8 +42,10 @@ fn max_array_size() -> Option<usize> {
 /// The Slurm of this machine.
 #[derive(Debug, Serialize)]
 pub struct Slurm {
-    /// What `sbatch --version` says.
+    /// What `sbatch --version` says; empty if it does not answer.
     pub version: String,
+    /// Which of its programs do not answer, and why.
+    pub faults: Vec<String>,
     /// The most tasks of an array; none if the controller does not answer.
     pub most_tasks: Option<usize>,
     /// Its partitions.
@@ -65,16 +67,33 @@ pub struct Partition {
     pub memory_mb: String,
 }
 
-/// The Slurm of this machine, if it has one.
+/// The Slurm of this machine, if it has one: if one of its programs is on PATH.
 pub fn slurm() -> Option<Slurm> {
-    let version = said("sbatch", &["--version"]).ok()?.trim().to_string();
-    let list = said("sinfo", &["--noheader", "--format=%P|%l|%D|%c|%m"]).unwrap_or_default();
+    let asked = [
+        ("sbatch", said("sbatch", &["--version"])),
+        ("sinfo", said("sinfo", &["--noheader", "--format=%P|%l|%D|%c|%m"])),
+    ];
+    if asked.iter().all(|(program, answer)| answer.is_err() && !is_on_path(program)) {
+        return None;
+    }
+    let fault = |(program, answer): &(&str, Result<String, String>)| {
+        answer.as_ref().err().map(|why| format!("{program} does not answer: {}", guard::text::line(why)))
+    };
+    let faults = asked.iter().filter_map(fault).collect();
+    let [version, list] = asked.map(|(_, answer)| answer.unwrap_or_default());
     let partition = |line: &str| {
         let parts: Vec<String> = line.split('|').map(|part| part.trim().to_string()).collect();
         let [name, time, nodes, cpus, memory_mb] = parts.try_into().ok()?;
         Some(Partition { name, time, nodes: nodes.parse().ok()?, cpus, memory_mb })
     };
-    Some(Slurm { version, most_tasks: max_array_size(), partitions: list.lines().filter_map(partition).collect() })
+    let partitions = list.lines().filter_map(partition).collect();
+    Some(Slurm { version: version.trim().into(), faults, most_tasks: max_array_size(), partitions })
+}
+
+/// Whether a program is in one of the folders of PATH.
+fn is_on_path(program: &str) -> bool {
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    std::env::split_paths(&path).any(|folder| folder.join(program).is_file())
 }
 
 /// Where the names of the jobs are kept.

@@ -181,6 +181,7 @@ fn request_bed(ri: &mut impl Ri, job: &RenderBench) -> Result<(), Fail> {
         scale: vec![[RADIUS as f32; 3]; bed.position.len()],
         position: bed.position,
         orientation: vec![],
+        offset: vec![],
         params: vec![Param::floats("Cs", Class::Uniform, Type::Color, bed.color)],
     })?;
     ri.world_end()

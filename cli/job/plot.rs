@@ -72,7 +72,7 @@ impl PlotJob {
         let (plots, mut warnings) =
             if is_overlay { overlay(&paths, tables)? } else { (by_owner(&run, tables.remove(0)), vec![]) };
         if plots.is_empty() {
-            let message = format!("{} has no columns of numbers beside `time`", run.display());
+            let message = format!("{} has no columns of numbers beside the times", run.display());
             return Err(Failure::new(Exit::Data, message));
         }
         let is_blank = |plot: &&Plot| plot.curves.iter().flat_map(|c| &c.points).all(|p| !p.1.is_finite());

@@ -115,7 +115,16 @@ fn parse(path: &Path, text: &str, number: u64, layout: &Layout) -> Result<Frame,
         row.iter().zip(&mut numbers).for_each(|(cell, column)| column.push(cell));
         next = rows.read(&mut row).map_err(|e| table.unclosed(e))?;
     }
-    let mut others = others(&table, again, &numbers, &head.names, layout)?.into_iter();
+    let others = others(&table, again, &numbers, &head.names, layout)?;
+    if let Some(cell) = others.iter().filter(|_| delimiter == b',').find_map(|cells| values::grouped(cells)) {
+        let message = format!(
+            "has `{cell}`, which may be a thousand or more, with a separator, or a number with a decimal comma"
+        );
+        return Err(table
+            .fault_of(cell, message)
+            .hint("write numbers without separators of thousands, and with a point"));
+    }
+    let mut others = others.into_iter();
     let column = |numbers: Numbers| match numbers.is_other() {
         true => values::column(&others.next().unwrap_or_default()),
         false => Ok(numbers.column()),
@@ -264,7 +273,13 @@ fn head<'a>(
     };
     let min_cells = layout.min_cells.unwrap_or(names.len());
     if !(min_cells..=names.len()).contains(&n) && (n + 1 != names.len() || row.len() != names.len()) {
-        let message = format!("has {n} columns, but {} are named", names.len());
+        let named = names.len();
+        let message = match layout.min_cells.filter(|least| *least > named) {
+            Some(least) => {
+                format!("rows are to have at least {least} cells (`least_cells`), but {named} columns are named")
+            }
+            None => format!("has {n} columns, but {named} are named"),
+        };
         return Err(table.fault(first.line, 1, message));
     }
     Ok(Head { names, header, first: (!is_header).then_some(first) })

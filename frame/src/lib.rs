@@ -19,6 +19,7 @@ pub mod history;
 pub mod list;
 pub mod mercury;
 pub mod mesh;
+mod obj;
 pub mod parquet;
 pub mod part;
 pub mod ply;

@@ -1,6 +1,6 @@
 //! Polygon meshes of files: Wavefront OBJ, STL and PLY.
 
-use crate::{Column, Fault, FaultKind, ply};
+use crate::{Column, Fault, FaultKind, obj, ply};
 use std::io::Cursor;
 use std::path::Path;
 
@@ -58,7 +58,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Mesh>, Fault> {
     let meshes = match path.extension().and_then(|ending| ending.to_str()).map(str::to_lowercase).as_deref() {
         _ if ply::is_ply(bytes) => vec![of_ply(path, bytes)?],
         Some("stl") => vec![of_stl(path, bytes)?],
-        Some("obj") => of_obj(path, bytes)?,
+        Some("obj") => obj::parse(path, bytes)?.into_iter().map(of_polygons).collect(),
         _ => return Err(Fault::whole(FaultKind::Data, path, "is neither an .obj, nor an .stl, nor a .ply file")),
     };
     if meshes.iter().all(|mesh| mesh.arities.is_empty()) {
@@ -70,45 +70,9 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Mesh>, Fault> {
     meshes.into_iter().map(|mesh| mesh.checked(path)).collect()
 }
 
-fn of_obj(path: &Path, bytes: &[u8]) -> Result<Vec<Mesh>, Fault> {
-    let options = tobj::LoadOptions { single_index: true, ..Default::default() };
-    let load = |mut bytes: &[u8]| {
-        // Only the shape is wanted: files of materials that it names are not opened.
-        tobj::load_obj_buf(&mut bytes, &options, |_: &Path| Ok((vec![], Default::default())))
-    };
-    let (models, _) = load(bytes).map_err(|wrong| {
-        // The library names no line: it is the last of the shortest beginning that is refused.
-        let ends: Vec<usize> = (1..=bytes.len()).filter(|end| bytes[end - 1] == b'\n').collect();
-        let n = ends.partition_point(|end| load(&bytes[..*end]).is_ok());
-        let line = bytes.split(|b| *b == b'\n').nth(n).unwrap_or_default();
-        Fault::at(FaultKind::Data, path, &String::from_utf8_lossy(line), 1, 1, wrong.to_string()).moved(n)
-    })?;
-    Ok(models.into_iter().map(|model| of_model(model.mesh)).filter(|mesh| !mesh.arities.is_empty()).collect())
-}
-
-/// A model of an OBJ file, without its lines and single points, which are no surface.
-fn of_model(model: tobj::Mesh) -> Mesh {
-    let mut mesh = Mesh {
-        points: model.positions.chunks_exact(3).map(|p| [p[0].into(), p[1].into(), p[2].into()]).collect(),
-        normals: model.normals.as_chunks().0.to_vec(),
-        st: model.texcoords.as_chunks().0.to_vec(),
-        ..Mesh::default()
-    };
-    if model.face_arities.is_empty() {
-        mesh.arities = vec![3; model.indices.len() / 3];
-        mesh.corners = model.indices;
-        return mesh;
-    }
-    let mut rest = &model.indices[..];
-    for arity in model.face_arities {
-        let (polygon, others) = rest.split_at(arity as usize);
-        if arity >= 3 {
-            mesh.arities.push(arity);
-            mesh.corners.extend(polygon);
-        }
-        rest = others;
-    }
-    mesh
+fn of_polygons(polygons: obj::Polygons) -> Mesh {
+    let obj::Polygons { points, normals, st, arities, corners } = polygons;
+    Mesh { points: points.into_iter().map(|p| p.map(f64::from)).collect(), normals, st, arities, corners }
 }
 
 fn of_stl(path: &Path, bytes: &[u8]) -> Result<Mesh, Fault> {
@@ -215,7 +179,7 @@ mod tests {
     #[test]
     fn wrong_meshes_are_faults() {
         for (name, text, line, message) in [
-            ("a.obj", "v 0 0 0\nv 1 0 zero\nf 1 1 1\n".to_string(), 2, "parse error"),
+            ("a.obj", "v 0 0 0\nv 1 0 zero\nf 1 1 1\n".to_string(), 2, "`zero` is no number"),
             ("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\nf 1 2 9\n".to_string(), 5, "out of bounds"),
             ("a.obj", "v 0 0 nan\nv 1 0 0\nv 1 1 0\nf 1 2 3\n".to_string(), 0, "vertex 0 is not finite"),
             ("a.txt", "v 0 0 0\n".to_string(), 0, "is neither"),

@@ -1,8 +1,9 @@
 //! A sequence of data files, one file per frame, found by a pattern with `*`. A frame's number is the last run of digits in its
 //! file's name.
 
-use crate::{Fault, FaultKind, foreign};
+use crate::{Fault, FaultKind, dump, foreign};
 use std::collections::BTreeMap;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// The files that match `pattern`, by frame number. The file name of the pattern may have `*` (any characters), its folders may
@@ -76,7 +77,7 @@ pub fn not_a_run(folder: &Path) -> Fault {
         let name = path.file_name().unwrap_or_default().to_string_lossy().to_string();
         if path.is_dir() {
             runs.extend(path.join("run.json").is_file().then(|| path.display().to_string()));
-        } else if is_table(&path) {
+        } else if is_table(&path) || is_dump(&path) {
             tables.entry(pattern_of(&name)).or_default().push(name);
         } else {
             others.extend(foreign::by_ending(&path).map(|format| (name, format)));
@@ -109,6 +110,13 @@ pub fn not_a_run(folder: &Path) -> Fault {
         None => fault("it has no run.json, and no tables")
             .hint("a table is a file, as CSV or VTK, with a row for each particle"),
     }
+}
+
+/// Whether a file begins as the dumps of LAMMPS and LIGGGHTS do, whatever its name ends in.
+fn is_dump(path: &Path) -> bool {
+    let mut start = [0; 6];
+    let read = guard::permit(path).and_then(|()| std::fs::File::open(path));
+    path.is_file() && read.and_then(|mut file| file.read_exact(&mut start)).is_ok() && dump::is_dump(&start)
 }
 
 /// A file's name without the ending of what is packed by gzip.
@@ -273,6 +281,13 @@ mod tests {
         ["p_1.csv", "p_2.csv", "readme.txt"].iter().for_each(|name| write(name));
         let fault = not_a_run(folder);
         assert!(fault.message.contains("2 files that are tables") && fault.hint.unwrap().contains("p_*.csv"));
+        // Dumps may have any names.
+        for k in 1..=3 {
+            std::fs::write(folder.join(format!("dump{k}000.fill")), "ITEM: TIMESTEP\n1\n").unwrap();
+        }
+        let fault = not_a_run(folder);
+        assert!(fault.message.contains("3 files that are tables"), "{fault}");
+        assert!(fault.hint.unwrap().contains("dump*.fill"));
     }
 
     #[test]

@@ -4,6 +4,7 @@ pub mod area;
 pub mod attached;
 pub mod attributes;
 pub mod camera;
+pub mod channels;
 pub mod emitters;
 pub mod facets;
 pub mod interpolation;

@@ -1,4 +1,4 @@
-// A broken stone, cut from a sphere by planes that differ from stone to stone (id): it stays within the sphere, and turns with it. depth:
+// A broken stone, cut from a sphere or an ellipsoid by planes that differ from stone to stone (id): it stays within that, and turns with it. depth:
 // of the deepest cut, in radii; rounding: how much edges are worn, 0 sharp to 0.5 a pebble; slab: 0 as deep everywhere, 1 flat along the
 // stone's own z; grain: height of the grain, in radii; warp: how uneven the faces are.
 #include "grain.h"
@@ -13,14 +13,14 @@
     most = max(most, out) + 0.25 * near * near / max(worn, 0.001);
 
 displacement stone(float depth = 0.3; float rounding = 0.15; float slab = 0; float grain = 0.09; float warp = 0.45; uniform float id = 0;) {
-    point Q = transform("object", P);
+    point Q = transform("shape", P);
     float R = length(Q);
     vector d = vector(Q) / R;
     uniform float first = 2 * PI * mod(id * 0.618034, 1), lean = PI * mod(id * 0.754878, 1);
     uniform vector a = vector(cos(first), sin(first), 0), c = vector(-sin(first) * sin(lean), cos(first) * sin(lean), cos(lean));
     uniform vector shift = 17 * vector(mod(id * 0.31, 1), mod(id * 0.47, 1), mod(id * 0.73, 1));
     // What is smaller than some pixels is left out.
-    float pixels = length(vtransform("object", "current", vector(Q))) / pixelwidth(I, normal(I));
+    float pixels = length(vtransform("shape", "current", vector(Q))) / pixelwidth(I, normal(I));
     // No face is flat, and no edge straight.
     vector bent = d;
     float uneven = warp * smoothstep(1.5, 4, pixels), crooked = 0.45 * warp * smoothstep(6, 12, pixels);
@@ -63,6 +63,6 @@ displacement stone(float depth = 0.3; float rounding = 0.15; float slab = 0; flo
     // Stones are longer than they are broad.
     uniform float flat = 1.16 + 0.2 * mod(id * 0.37, 1), broad = 1 + 0.16 * mod(id * 0.91, 1);
     float longish = sqrt(xcomp(own) * xcomp(own) + broad * broad * ycomp(own) * ycomp(own) + flat * flat * zcomp(own) * zcomp(own));
-    P = transform("object", "current", point(d * (R * clamp(min(1, 1 / most) / longish - grain * rough, max(0.3, 1 - 1.16 * depth * (1 + slab)), 1))));
+    P = transform("shape", "current", point(d * (R * clamp(min(1, 1 / most) / longish - grain * rough, max(0.3, 1 - 1.16 * depth * (1 + slab)), 1))));
     N = calculatenormal(P);
 }

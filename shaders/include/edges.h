@@ -1,5 +1,5 @@
 // Edges and marks of boxes and cylinders: metadata says which they are by Attribute "shape" "float kind", 1 for a box, 2 for a cylinder
-// about z, both of unit size in object space.
+// about z, both of unit size in the space "shape".
 #ifndef EDGES_H
 #define EDGES_H
 #include "grain.h"
@@ -22,9 +22,9 @@ normal rounded(normal n; vector i; float width; output float spread;) {
     uniform float kind = shape_kind();
     spread = 0;
     if (kind > 0 && width > 0) {
-        point q = transform("object", P);
-        vector ax = vtransform("object", "current", vector(1, 0, 0)), ay = vtransform("object", "current", vector(0, 1, 0));
-        vector az = vtransform("object", "current", vector(0, 0, 1));
+        point q = transform("shape", P);
+        vector ax = vtransform("shape", "current", vector(1, 0, 0)), ay = vtransform("shape", "current", vector(0, 1, 0));
+        vector az = vtransform("shape", "current", vector(0, 0, 1));
         float lx = length(ax), ly = length(ay), lz = length(az);
         float own = width * min(lx, ly, lz), pixel = pixelwidth(i, n);
         float w = max(own, 1.3 * pixel);
@@ -72,13 +72,13 @@ float marked(vector i; normal n; output vector lean;) {
     lean = 0;
     uniform float kind = shape_kind();
     if (kind == 2) {
-        point q = transform("object", P);
-        float lx = length(vtransform("object", "current", vector(1, 0, 0))), lz = length(vtransform("object", "current", vector(0, 0, 1)));
+        point q = transform("shape", P);
+        float lx = length(vtransform("shape", "current", vector(1, 0, 0))), lz = length(vtransform("shape", "current", vector(0, 0, 1)));
         float pixel = pixelwidth(i, n) / lx, x = xcomp(q), y = ycomp(q);
         float r = sqrt(x * x + y * y), turn = atan(y, x) / (2 * PI);
         if (abs(zcomp(q)) > 0.999) {
             // The nearest of six places for holes, about its middle; the way of the eye, in radii.
-            vector way = vtransform("object", i);
+            vector way = vtransform("shape", i);
             way = vector(xcomp(way), ycomp(way), zcomp(way) * lz / lx);
             float place = floor(6 * turn + 0.5), hole = 0.145, deep = min(0.3, 0.8 * lz / lx);
             float hx = 0.58 * cos(place * PI / 3), hy = 0.58 * sin(place * PI / 3);
@@ -99,7 +99,7 @@ float marked(vector i; normal n; output vector lean;) {
             // Grooves about the boss and within the rim; a line from the boss to the filled place.
             float ring = abs(r - 0.3) < abs(r - 0.84) ? r - 0.3 : r - 0.84;
             on = max(on, 0.55 * within(abs(ring) - 0.008, pixel));
-            vector ax = vtransform("object", "current", vector(1, 0, 0)) / lx, ay = vtransform("object", "current", vector(0, 1, 0)) / lx;
+            vector ax = vtransform("shape", "current", vector(1, 0, 0)) / lx, ay = vtransform("shape", "current", vector(0, 1, 0)) / lx;
             float rim = max(0.03, 1.2 * pixel), seen = fade(pixel, 0.1);
             float turned = is_filled > 0 ? 0 : -seen * leaning(abs(out), rim) / (out + hole + 0.001);
             float dented = -0.6 * seen * leaning(abs(ring), rim) * sign(ring) / (r + 0.001);

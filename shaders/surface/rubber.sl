@@ -7,8 +7,8 @@ surface rubber(float Ka = 1; float Kd = 0.9; float Ks = 0.12; float dust = 0.15;
     normal Nf = faceforward(rounded(normalize(N), I, bevel, spread), I);
     vector V = -normalize(I);
     float up = max(0, zcomp(ntransform("world", Nf)));
-    point q = transform("object", P);
-    color c = mix(tint, color(0.4, 0.35, 0.28), dust * up * noise(q * 12));
+    point q = transform("shape", P);
+    color c = mix(tint, color(0.4, 0.35, 0.28), dust * up * noise(12 * transform("object", P)));
     float shine = Ks;
     uniform float kind = shape_kind();
     if (kind == 2) {

@@ -1,4 +1,4 @@
-//! Tables over time: the probes and the report of a run, or any CSV with a column `time`.
+//! Tables over time: the probes and the report of a run, or any CSV with a column of times.
 
 use crate::report::Outcome;
 use frame::{Column, Fault, FaultKind, Field, Frame, csv};
@@ -95,18 +95,18 @@ pub fn read(path: &Path) -> Outcome<TimeTable> {
 /// The columns of numbers of a CSV over its `time` column.
 fn read_file(path: &Path) -> Outcome<Vec<TimeColumn>> {
     let table = csv::read(path, 0, &csv::Layout::default())?;
-    let Some(time) = table.column("time").filter(|c| !matches!(c, Column::Category { .. })) else {
-        let fault = Fault::whole(FaultKind::Data, path, "has no column `time` of numbers");
+    let Some((field, time)) = time_of(&table) else {
+        let fault = Fault::whole(FaultKind::Data, path, "has no column of times, `time` or `t`, of numbers");
         return Err(fault.hint(format!("its columns are {}", frame::listed(&table.names()))).into());
     };
-    let seconds = seconds(path, &table)?;
+    let seconds = seconds(path, field)?;
     let times: Vec<Option<f64>> = (0..table.rows()).map(|r| Some(time.number(r)? * seconds)).collect();
     if let Some(r) = times.windows(2).position(|w| w[1] < w[0]) {
         let [a, b] = [r, r + 1].map(|r| times[r].unwrap_or(f64::NAN));
-        let message = format!("`time` goes back from {a} to {b} s in row {}", r + 2);
+        let message = format!("`{}` goes back from {a} to {b} s in row {}", field.name, r + 2);
         return Err(Fault::whole(FaultKind::Data, path, message).hint("sort the rows by time").into());
     }
-    let is_curve = |name: &str, c: &Column| name != "time" && !matches!(c, Column::Category { .. });
+    let is_curve = |name: &str, c: &Column| name != field.name && !matches!(c, Column::Category { .. });
     let points = |c: &Column| {
         let point = |r: usize| Some((times[r].filter(|t| t.is_finite())?, c.number(r)?));
         (0..table.rows()).filter_map(point).collect()
@@ -122,8 +122,20 @@ fn read_file(path: &Path) -> Outcome<Vec<TimeColumn>> {
     Ok(columns.map(column).collect())
 }
 
+/// The column of a table's times: `time`, or else a name that means it in other programs, in any case and with a unit or without, as
+/// `Time`, `t` and `Time [s]`.
+fn time_of(table: &Frame) -> Option<&(Field, Column)> {
+    let plain =
+        |name: &str| name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect::<String>();
+    let with = |is_name: &dyn Fn(&str) -> bool| {
+        table.columns.iter().find(|(f, c)| is_name(&f.name) && !matches!(c, Column::Category { .. }))
+    };
+    let names = ["time", "t", "times", "simtime", "simulationtime", "timestamp"];
+    with(&|name| name == "time").or_else(|| names.iter().find_map(|known| with(&|name| plain(name) == *known)))
+}
+
 /// Seconds over the unit of a table's times.
-fn seconds(path: &Path, table: &Frame) -> Outcome<f64> {
+fn seconds(path: &Path, time: &Field) -> Outcome<f64> {
     const UNITS: [(&str, f64); 9] = [
         ("", 1.0),
         ("s", 1.0),
@@ -135,10 +147,10 @@ fn seconds(path: &Path, table: &Frame) -> Outcome<f64> {
         ("h", 3600.0),
         ("1", 1.0),
     ];
-    let unit = table.columns.iter().find(|(f, _)| f.name == "time").map_or("", |(f, _)| f.unit.as_str());
+    let (name, unit) = (&time.name, time.unit.as_str());
     let known = UNITS.into_iter().find(|(name, _)| *name == unit).map(|(_, seconds)| seconds);
     known.ok_or_else(|| {
-        Fault::whole(FaultKind::Data, path, format!("`time` has the unit [{unit}], expected s, ms, µs, min or h"))
+        Fault::whole(FaultKind::Data, path, format!("`{name}` has the unit [{unit}], expected s, ms, µs, min or h"))
             .into()
     })
 }

@@ -169,6 +169,21 @@ pub(super) fn column<'a>(cells: &[&'a str]) -> Result<(Column, Decimal<'a>), Mix
     }
 }
 
+/// The first of the cells with a comma, if each of these may be a whole number with separators of thousands, as `1,200`, as well as one with a
+/// decimal comma: nothing tells which.
+pub(super) fn grouped<'a>(cells: &[&'a str]) -> Option<&'a str> {
+    let may_be = |cell: &str| {
+        let (whole, fraction) = cell.trim_start_matches(['+', '-']).split_once(',').unwrap_or_default();
+        let digits = |part: &str| part.bytes().all(|b| b.is_ascii_digit());
+        let is_group = fraction.len() == 3 && digits(fraction);
+        is_group && (1..=3).contains(&whole.len()) && digits(whole) && !whole.starts_with('0')
+    };
+    let mut with_comma = cells.iter().copied().filter(|cell| cell.contains(','));
+    let first = with_comma.next().filter(|cell| may_be(cell))?;
+    // Words with commas are no numbers at all.
+    with_comma.all(may_be).then_some(first)
+}
+
 fn numbers<'a>(cells: &[&'a str]) -> Option<(Vec<f64>, Decimal<'a>)> {
     let mut decimal = Decimal::None;
     // A column of blanks alone has missing numbers, one of `-` alone has words.
@@ -238,6 +253,21 @@ mod tests {
             assert_eq!(number(text), None, "{text}");
         }
         assert!(["", "NA", "n/a", "NULL", "None", "-", "nan", "-1.#IND"].iter().all(|t| number(t).unwrap().is_nan()));
+    }
+
+    #[test]
+    fn what_may_be_thousands_is_told_from_decimal_commas() {
+        for (cells, expected) in [
+            (&["1,200", "980"][..], Some("1,200")),
+            (&["-12,345", "NA", "1,000"], Some("-12,345")),
+            (&["1,200", "0,500"], None),
+            (&["1,200", "1,25"], None),
+            (&["1,5", "980"], None),
+            (&["1.200", "980"], None),
+            (&["a,bcd"], None),
+        ] {
+            assert_eq!(grouped(cells), expected, "{cells:?}");
+        }
     }
 
     #[test]

@@ -13,8 +13,9 @@ mod object;
 mod overlays;
 mod resolved;
 
+pub use crate::formula::Formula;
 pub use check::{delimiter, some_objects};
-pub use object::{Archive, Arrow, Color, Formula, Object, Reach, Shader, Shape, Trail};
+pub use object::{Archive, Arrow, Color, Object, Reach, Shader, Shape, Trail};
 pub use overlays::{Axes, Corner, GrowingPlot, Legend, Overlays, Panel, ScaleBar, TIME_UNITS, TimeStamp, Title};
 pub use resolved::{
     BLACK, Binding, Camera, Data, ImageFormat, Key, Lens, Output, Place, Placed, Projection, Quality, WHITE,

@@ -1,9 +1,10 @@
 //! Sources of frames: a run directory, or tables of other programs found by a pattern.
 
-use crate::expr::Expr;
+use crate::formula::{Formula, unknown_column};
 use frame::csv::Layout;
 use frame::run::RunReader;
 use frame::table::{self, Stored};
+use frame::yaml::Document;
 use frame::{Column, Fault, FaultKind, Frame};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -16,9 +17,11 @@ pub struct Source {
     /// The stored frames.
     pub store: Store,
     /// Derived columns, in order: name and expression. A derived column replaces one of the same name.
-    pub derive: Vec<(String, Expr)>,
+    pub derive: Vec<(String, Formula)>,
     /// Condition on the rows to keep; all rows if not given.
-    pub select: Option<Expr>,
+    pub select: Option<Formula>,
+    /// The file that says what is renamed, derived and selected, for the places of faults.
+    doc: Option<Document>,
     /// Tables that the next image is likely to need again.
     recent: Recent,
 }
@@ -61,20 +64,20 @@ pub enum Store {
 
 impl From<Store> for Source {
     fn from(store: Store) -> Source {
-        Source::new(store, vec![], None)
+        Source { store, derive: vec![], select: None, doc: None, recent: Recent::default() }
     }
 }
 
 impl Source {
-    /// A source of stored frames, with what is derived and selected of each.
-    pub fn new(store: Store, derive: Vec<(String, Expr)>, select: Option<Expr>) -> Source {
-        Source { store, derive, select, recent: Recent::default() }
+    /// A source of stored frames, with what is derived and selected of each, as a file says.
+    pub fn new(store: Store, derive: Vec<(String, Formula)>, select: Option<Formula>, doc: Document) -> Source {
+        Source { store, derive, select, doc: Some(doc), recent: Recent::default() }
     }
 
     /// The same source of a run that has more frames by now; the tables that were read stay.
     pub fn grown(&self, run: RunReader) -> Source {
         let recent = Recent(self.recent.0.clone());
-        Source { store: Store::Run(run), derive: self.derive.clone(), select: self.select.clone(), recent }
+        Source { store: Store::Run(run), recent, ..self.clone() }
     }
 
     /// Open the source at a path: a run directory, or a table of another program, or a pattern of such files. An error if there is none.
@@ -176,43 +179,80 @@ impl Source {
         self.recent.tables().retain(|number, place| frames.contains(number) || is_used(place));
     }
 
-    /// Read a frame, compute its derived columns and select its rows. An error if the file is bad or an expression cannot be
-    /// evaluated. Panics if tables of other programs have no frame of this number.
+    /// Read a frame, rename its columns, compute the derived ones and select its rows. An error if the file is bad, or, at its key, if a
+    /// column that is renamed is missing, or an expression cannot be evaluated. Panics if tables of other programs have no frame of
+    /// this number.
     pub fn read(&self, number: u64) -> Result<Frame, Fault> {
-        let (mut frame, path) = match &self.store {
-            Store::Run(run) => (run.read_frame(number)?, run.folder.clone()),
+        let mut frame = match &self.store {
+            Store::Run(run) => run.read_frame(number)?,
             Store::Files { files, layout, rename } => {
-                let path = &files[&number].path;
                 let mut frame = files[&number].read(number, layout)?;
-                for (field, _) in &mut frame.columns {
-                    if let Some(new) = rename.get(&field.name) {
-                        field.name.clone_from(new);
-                    }
-                }
-                let names = frame.names();
-                if let Some(i) = frame::repeated(names.iter().copied()) {
-                    let message = format!("two columns are named `{}` once they are renamed", names[i]);
-                    return Err(Fault::whole(FaultKind::Data, path, message));
-                }
-                (frame, path.clone())
+                self.rename(&mut frame, &files[&number].path, rename)?;
+                frame
             }
         };
         if frame.rows() == 0 {
             return Ok(frame);
         }
-        let fault = |what: &str, expr: &Expr, message: String| {
-            Fault::whole(FaultKind::Data, &path, format!("frame {number}: {what} `{}`: {message}", expr.text))
-        };
-        for (name, expr) in &self.derive {
+        for (name, formula) in &self.derive {
             let rows: Vec<usize> = (0..frame.rows()).collect();
-            let values = expr.numbers(&frame, &rows).map_err(|m| fault("the derived column", expr, m))?;
+            let values = formula.expr.numbers(&frame, &rows).map_err(|m| self.fault(formula, &frame, m))?;
             frame.columns.retain(|(f, _)| f.name != *name);
             frame.push(name, "", Column::F64(values));
         }
-        if let Some(expr) = &self.select {
-            let rows = expr.select(&frame).map_err(|m| fault("the condition", expr, m))?;
+        if let Some(formula) = &self.select {
+            let rows = formula.expr.select(&frame).map_err(|m| self.fault(formula, &frame, m))?;
             frame.keep(&rows);
         }
         Ok(frame)
+    }
+
+    /// Give the columns of a table their new names. One that has its new name already stays.
+    fn rename(&self, frame: &mut Frame, path: &Path, rename: &BTreeMap<String, String>) -> Result<(), Fault> {
+        let names = frame.names();
+        // Writers of empty tables leave columns out.
+        let is_missing = |old: &&String| !names.contains(&old.as_str()) && !names.contains(&rename[*old].as_str());
+        if let Some(old) = rename.keys().find(is_missing).filter(|_| frame.rows() > 0) {
+            return Err(self.lacks(&format!("data.rename.{old}"), old, frame));
+        }
+        for (field, _) in &mut frame.columns {
+            if let Some(new) = rename.get(&field.name) {
+                field.name.clone_from(new);
+            }
+        }
+        let names = frame.names();
+        if let Some(i) = frame::repeated(names.iter().copied()) {
+            let message = format!("two columns are named `{}` once they are renamed", names[i]);
+            return Err(Fault::whole(FaultKind::Data, path, message));
+        }
+        Ok(())
+    }
+
+    /// The fault of a column that a frame lacks. What the first frame does not have is wrong in the file, what others lack is missing in the data.
+    fn lacks(&self, key: &str, column: &str, frame: &Frame) -> Fault {
+        let is_first = self.numbers().first() == Some(&frame.number);
+        let kind = if is_first { FaultKind::Input } else { FaultKind::Data };
+        match &self.doc {
+            Some(doc) => Fault { kind, ..unknown_column(doc, key, column, frame) },
+            None => Fault::whole(kind, Path::new(key), format!("there is no column `{column}`")),
+        }
+    }
+
+    /// The fault of an expression that cannot be evaluated: of the data if it can be in other rows, else of the expression.
+    fn fault(&self, formula: &Formula, frame: &Frame, message: String) -> Fault {
+        let names = frame.names();
+        if let Some(column) = formula.expr.columns().iter().find(|column| !names.contains(&column.as_str())) {
+            return self.lacks(&formula.key, column, frame);
+        }
+        let holds = |row: usize| formula.expr.numbers(frame, &[row]).is_ok();
+        let bad = (0..frame.rows()).find(|row| !holds(*row)).filter(|_| (0..frame.rows()).any(holds));
+        let (kind, message) = match bad {
+            Some(row) => (FaultKind::Data, format!("row {} of frame {}: {message}", row + 1, frame.number)),
+            None => (FaultKind::Input, message),
+        };
+        match &self.doc {
+            Some(doc) => Fault { kind, ..doc.fault(&formula.key, message) },
+            None => Fault::whole(kind, Path::new(&formula.key), message),
+        }
     }
 }

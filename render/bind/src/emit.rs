@@ -27,8 +27,9 @@ mod pebbles;
 mod rows;
 mod shapes;
 mod trails;
+mod wrong;
 
-use crate::binding::{Binding, Camera, Color, ImageFormat, Object, Output, Quality, Shape};
+use crate::binding::{Binding, Camera, Color, ImageFormat, Object, Output, Quality, Shader, Shape};
 use crate::moment::Moment;
 pub use camera::Stand;
 pub use directive::take_alone;
@@ -43,6 +44,7 @@ use ri::files::Files;
 use ri::reader::{self, RibError};
 use ri::{Class, Fail, Param, Ri, RiResult, Type};
 use std::path::PathBuf;
+use wrong::{Origin, Wrong, key_of_shader};
 
 /// An error in emitting a frame.
 #[derive(Debug)]
@@ -80,7 +82,7 @@ pub fn frame(
     check_overrides(binding, &text)?;
     let has_own_ground = text.lines().any(|line| line.trim() == "#scree ground");
     let has_ground = text.lines().any(|line| matches!(line.trim(), "#scree ground" | "#scree floor"));
-    let mut drawn = false;
+    let (mut drawn, mut wrong) = (Drawn::default(), None);
     if binding.output.shutter > 0.0 {
         ri.shutter(0.0, binding.output.shutter as f32).map_err(|f| binding.doc.fault("output.shutter", f.message))?;
     }
@@ -88,11 +90,14 @@ pub fn frame(
     let done = reader::read(&path, text.as_bytes(), files, ri, &mut |ri, directive| {
         let mut words = directive.split_whitespace();
         let done = match (words.next(), words.next()) {
-            (Some("inject"), Some("camera")) => camera::inject(binding, frame.number, stand, files, ri),
-            (Some("inject"), Some("lights")) => inject_lights(binding, files, ri),
+            (Some("inject"), Some("camera")) => {
+                return taken(camera::inject(binding, frame.number, stand, files, ri), &mut wrong);
+            }
+            (Some("inject"), Some("lights")) => return taken(inject_lights(binding, files, ri), &mut wrong),
             (Some("inject"), Some("objects")) => {
-                drawn = true;
-                inject_objects(binding, &prepared, &words.collect::<Vec<_>>(), has_ground, files, ri)
+                let names: Vec<&str> = words.collect();
+                drawn.add(&names);
+                return taken(inject_objects(binding, &prepared, &names, has_ground, files, ri), &mut wrong);
             }
             (Some("override"), Some("ShadingRate")) if words.next() == Some("floor") => {
                 ri.shading_rate(floor_rate(&binding.output))
@@ -114,12 +119,62 @@ pub fn frame(
         };
         done.map(|()| None)
     });
-    done.map_err(|e| EmitError::Rib(e, binding.doc.path.clone()))?;
-    if !drawn {
-        let message = format!("scene {} has no `#scree inject objects`: the data would not be drawn", path.display());
-        return Err(binding.doc.fault("scene", message).into());
+    if let Some(fault) = wrong {
+        return Err(EmitError::Fault(fault));
     }
+    done.map_err(|e| EmitError::Rib(e, binding.doc.path.clone()))?;
+    drawn.check(binding, &path, has_ground)?;
     Ok(missing)
+}
+
+/// The result of a directive for the reader of the scene; a fault that is not the scene's is kept.
+fn taken(done: Result<(), Wrong>, wrong: &mut Option<Fault>) -> Result<Option<String>, Fail> {
+    match done {
+        Ok(()) => Ok(None),
+        Err(Wrong::Scene(fail)) => Err(fail),
+        Err(Wrong::File(fault)) => {
+            let fail = Fail::new(fault.message.clone());
+            *wrong = Some(*fault);
+            Err(fail)
+        }
+    }
+}
+
+/// The objects that a scene has injected.
+#[derive(Default)]
+struct Drawn {
+    /// A directive has taken all.
+    all: bool,
+    names: Vec<String>,
+}
+
+impl Drawn {
+    /// Note a directive for the objects of these names, or for all.
+    fn add(&mut self, names: &[&str]) {
+        self.all |= names.is_empty();
+        self.names.extend(names.iter().map(|name| name.to_string()));
+    }
+
+    /// An error if an object would be lost: all, or one that the scene does not name.
+    fn check(&self, binding: &Binding, scene: &std::path::Path, has_ground: bool) -> Result<(), Fault> {
+        let scene = scene.display();
+        if !self.all && self.names.is_empty() {
+            let message = format!("scene {scene} has no `#scree inject objects`: the data would not be drawn");
+            return Err(binding.doc.fault("scene", message));
+        }
+        let is_taken =
+            |object: &Object| self.all || self.names.contains(&object.name) || has_ground && object.is_ground;
+        let Some(i) = binding.objects.iter().position(|object| !is_taken(object)) else { return Ok(()) };
+        let name = &binding.objects[i].name;
+        let message = format!(
+            "the scene {scene} does not take the object `{name}`: it injects {} alone",
+            frame::listed(&self.names.iter().map(String::as_str).collect::<Vec<_>>())
+        );
+        let hint = format!(
+            "write `#scree inject objects {name}` there, or `#scree inject objects` for all; or remove the object"
+        );
+        Err(binding.doc.fault(&format!("objects.{i}.name"), message).hint(hint))
+    }
 }
 
 /// Tell the library's shaders the quality of the image, and whether it is data: then no film is in the way.
@@ -169,7 +224,7 @@ pub fn stand(binding: &Binding, frame: &Frame) -> Result<Option<Stand>, Fault> {
 
 /// The instances of all objects, and what the rows lack. An error if a column is missing, or if a value is no number.
 pub fn prepare<'a>(binding: &'a Binding, moment: &Moment) -> Result<(Vec<Prepared<'a>>, Missing), Fault> {
-    let mut missing = Missing::default();
+    let mut missing = Missing { columns: missing::columns(binding, moment.frame), ..Missing::default() };
     let mut prepared = Vec::new();
     for (i, object) in binding.objects.iter().enumerate() {
         let object = instances::prepare(binding, i, object, moment)?;
@@ -243,9 +298,9 @@ fn override_setting(what: &str, o: &Output, image: &str, ri: &mut dyn Ri) -> RiR
 }
 
 /// The binding's lights, or a sun from the left with a little light from everywhere.
-fn inject_lights(binding: &Binding, files: &Files, ri: &mut dyn Ri) -> RiResult {
+fn inject_lights(binding: &Binding, files: &Files, ri: &mut dyn Ri) -> Result<(), Wrong> {
     if let Some(file) = &binding.lights {
-        return archive::include(file, files, ri);
+        return archive::include(file, files, Origin { binding, key: "lights", object: None }, ri);
     }
     let number = |name: &str, x: f32| Param::floats(name, Class::Uniform, Type::Float, [x]);
     let triple = |name: &str, ty: Type, x: [f32; 3]| Param::floats(name, Class::Uniform, ty, x);
@@ -265,7 +320,7 @@ fn inject_lights(binding: &Binding, files: &Files, ri: &mut dyn Ri) -> RiResult 
         triple("from", Type::Point, [0.0; 3]),
         triple("to", Type::Point, [0.55, 0.5, -0.8]),
     ];
-    ri.light_source("distantlight", "scree:sun", sun)
+    Ok(ri.light_source("distantlight", "scree:sun", sun)?)
 }
 
 /// The levels of the film, if they are given or measured.
@@ -308,8 +363,14 @@ fn kind_of(shape: &Shape) -> Option<f32> {
     }
 }
 
-/// The attributes of an object.
-fn set_attributes(object: &Object, output: &Output, ri: &mut dyn Ri) -> RiResult {
+/// The attributes of an object, whose key is that of `at`.
+fn set_attributes(object: &Object, at: Origin<'_>, ri: &mut dyn Ri) -> Result<(), Wrong> {
+    set_look(object, &at.binding.output, ri).map_err(|fail| at.wrong(fail))?;
+    set_shaders(object, at, ri)
+}
+
+/// Colour, opacity and what else goes by the shape.
+fn set_look(object: &Object, output: &Output, ri: &mut dyn Ri) -> RiResult {
     if let Color::Rgb(color) = object.color {
         ri.color(color)?;
     }
@@ -330,28 +391,49 @@ fn set_attributes(object: &Object, output: &Output, ri: &mut dyn Ri) -> RiResult
         // What is flat has no silhouette within a micropolygon: shadows on it have smooth edges.
         ri.shading_interpolation("smooth")?;
     }
-    let is_mark = matches!(object.shape, Shape::Arrow(_) | Shape::Trail(_));
-    if is_mark {
+    if is_mark(object) {
         // Marks are no bodies: they cast no shadows.
         let no = vec![Param::floats("transmission", Class::Uniform, Type::Float, [0.0])];
         ri.attribute("visibility", no)?;
     }
-    match &object.surface {
-        Some(surface) => ri.surface(&surface.name, surface.params.clone())?,
-        None if is_mark => ri.surface("mark", vec![])?,
-        None => ri.surface("matte", vec![])?,
-    }
-    if let Some(displacement) = &object.displacement {
-        if let Some(bound) = displacement.bound {
-            ri.attribute("displacementbound", vec![Param::floats("sphere", Class::Uniform, Type::Float, [bound])])?;
-        }
-        if !displacement.traced || output.quality == Quality::Draft {
-            let no = vec![Param::floats("displacements", Class::Uniform, Type::Float, [0.0])];
-            ri.attribute("trace", no)?;
-        }
-        ri.displacement(&displacement.name, displacement.params.clone())?;
-    }
     Ok(())
+}
+
+/// Whether an object is drawn as marks, which are no bodies.
+fn is_mark(object: &Object) -> bool {
+    matches!(object.shape, Shape::Arrow(_) | Shape::Trail(_))
+}
+
+/// The shaders of an object.
+fn set_shaders(object: &Object, at: Origin<'_>, ri: &mut dyn Ri) -> Result<(), Wrong> {
+    let wrong = |kind: &str, shader: Option<&Shader>, fail: Fail| {
+        let key = format!("{}.{kind}", at.key);
+        let key = shader.map_or(key.clone(), |shader| key_of_shader(&key, shader, &fail.message));
+        at.key(&key).wrong(fail)
+    };
+    let bound = match &object.surface {
+        Some(surface) => ri.surface(&surface.name, surface.params.clone()),
+        None if is_mark(object) => ri.surface("mark", vec![]),
+        None => ri.surface("matte", vec![]),
+    };
+    bound.map_err(|fail| wrong("surface", object.surface.as_ref(), fail))?;
+    match &object.displacement {
+        Some(displacement) => set_displacement(displacement, at.binding.output.quality, ri)
+            .map_err(|fail| wrong("displacement", Some(displacement), fail)),
+        None => Ok(()),
+    }
+}
+
+/// A displacement shader and its bound.
+fn set_displacement(displacement: &Shader, quality: Quality, ri: &mut dyn Ri) -> RiResult {
+    if let Some(bound) = displacement.bound {
+        ri.attribute("displacementbound", vec![Param::floats("sphere", Class::Uniform, Type::Float, [bound])])?;
+    }
+    if !displacement.traced || quality == Quality::Draft {
+        let no = vec![Param::floats("displacements", Class::Uniform, Type::Float, [0.0])];
+        ri.attribute("trace", no)?;
+    }
+    ri.displacement(&displacement.name, displacement.params.clone())
 }
 
 /// The objects of the given names, or all but those for which the scene has a ground of its own.
@@ -362,35 +444,37 @@ fn inject_objects(
     has_ground: bool,
     files: &Files,
     ri: &mut dyn Ri,
-) -> RiResult {
+) -> Result<(), Wrong> {
     for name in names {
         if !prepared.iter().any(|p| p.object.name == *name) {
-            return Err(Fail::new(format!("the scene wants the object `{name}`, which the metadata does not have")));
+            let message = format!("the scene wants the object `{name}`, which the metadata does not have");
+            return Err(Fail::new(message).into());
         }
     }
-    let output = &binding.output;
     let is_drawn = |p: &Prepared<'_>| match names {
         [] => !(has_ground && p.object.is_ground),
         names => names.contains(&p.object.name.as_str()),
     };
     for (i, p) in prepared.iter().enumerate().filter(|(_, p)| is_drawn(p)) {
-        let place = Some((binding.doc.path.as_path(), binding.doc.place(&format!("objects.{i}"))));
+        let key = format!("objects.{i}");
+        let at = Origin { binding, key: &key, object: Some(&p.object.name) };
+        let place = Some((binding.doc.path.as_path(), binding.doc.place(&key)));
         ri.stands_at(place);
         ri.attribute_begin()?;
-        set_attributes(p.object, output, ri)?;
+        set_attributes(p.object, at, ri)?;
         for group in &p.groups {
             if let Some(handle) = &group.handle {
                 ri.object_begin(handle)?;
-                shapes::define(&p.object.shape, group, files, ri)?;
+                shapes::define(&p.object.shape, group, files, at, ri)?;
                 ri.object_end()?;
             }
             ri.stands_at(place);
             for instances in &group.instances {
-                ri.instances(instances.clone())?;
+                ri.instances(instances.clone()).map_err(|fail| at.wrong(fail))?;
             }
         }
         if !p.trails.is_empty() {
-            p.trails.draw(p.object.opacity.unwrap_or(1.0), ri)?;
+            p.trails.draw(p.object.opacity.unwrap_or(1.0), ri).map_err(|fail| at.wrong(fail))?;
         }
         ri.attribute_end()?;
         ri.stands_at(None);

@@ -12,6 +12,7 @@ pub mod data;
 pub mod emit;
 pub mod expr;
 pub mod file;
+mod formula;
 pub mod metadata;
 pub mod moment;
 pub mod suggest;

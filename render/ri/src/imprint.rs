@@ -66,6 +66,7 @@ fn imprint(all: &Instances) -> Vec<u8> {
     column(&mut bytes, all.position.as_flattened());
     column(&mut bytes, all.orientation.as_flattened());
     column(&mut bytes, all.scale.as_flattened());
+    column(&mut bytes, all.offset.as_flattened());
     for param in &all.params {
         text(&mut bytes, &param.decl.inline());
         match &param.values {
@@ -93,7 +94,8 @@ mod tests {
             let params = vec![Param::floats("Cs", Class::Uniform, Type::Color, [red, 0.0, 0.0])];
             let (position, orientation, scale) = (vec![[x, 0.0, 0.0]], vec![], vec![]);
             let shape = InstanceShape::Sphere;
-            ri.instances(Instances { shape, position, orientation, scale, params, moved: None }).unwrap();
+            ri.instances(Instances { shape, position, orientation, scale, offset: vec![], params, moved: None })
+                .unwrap();
             ri.into_inner()
         };
         let one = calls(1.0, 2.0, 0.5);

@@ -25,7 +25,7 @@ mod table;
 mod unread;
 pub mod writer;
 
-pub use instances::{InstanceShape, Instances};
+pub use instances::{Fit, InstanceShape, Instances};
 pub use params::{Class, Declaration, Declarations, Param, Params, Type, Values};
 pub use reader::{Place, RibError};
 pub use ri::{Fail, Knots, Ri, RiResult, Tags, TrimCurves};

@@ -2,7 +2,7 @@
 //!
 //! A method that a renderer leaves out answers "not supported yet" with the call's name; the reader adds file and line.
 
-use crate::instances::{InstanceShape, Instances};
+use crate::instances::{Fit, InstanceShape, Instances};
 use crate::params::{Class, Declaration, Param, Params, Type};
 use crate::table::requests;
 use glam::{Mat4, Quat, Vec3};
@@ -138,6 +138,18 @@ fn unsupported(call: &str) -> Fail {
     Fail::new(format!("`{call}` is not supported yet"))
 }
 
+/// Say where a shape stands in its object space, for what is drawn next, unless it is that space's own.
+fn request_fit(fit: Fit, ri: &mut (impl Ri + ?Sized)) -> RiResult {
+    let triple = |name: &str, v: Vec3| {
+        let mut param = Param::floats(name, Class::Uniform, Type::Float, v.to_array());
+        param.decl.array = 3;
+        param
+    };
+    let parts = [("size", fit.size, Vec3::ONE), ("offset", fit.offset, Vec3::ZERO)];
+    let params: Vec<Param> = parts.into_iter().filter(|(_, v, none)| v != none).map(|(n, v, _)| triple(n, v)).collect();
+    if params.is_empty() { Ok(()) } else { ri.attribute("shape", params) }
+}
+
 /// An instance array by standard calls: an attribute block for each instance.
 fn expand(all: &Instances, ri: &mut (impl Ri + ?Sized)) -> RiResult {
     for i in 0..all.len() {
@@ -157,6 +169,8 @@ fn expand(all: &Instances, ri: &mut (impl Ri + ?Sized)) -> RiResult {
             ri.translate([0, 1, 2].map(|c| to[i][c] - all.position[i][c]))?;
             ri.motion_end()?;
         }
+        // The transformation has the scale, which other renderers take for a part of object space.
+        let mut fit = all.fit(i);
         let uniform = all.scale.get(i).filter(|s| s[0] == s[1] && s[1] == s[2]).map(|s| s[0]);
         match (&all.shape, uniform) {
             // A sphere of its own radius reads better than a scaled one, and its object space is not scaled.
@@ -167,14 +181,18 @@ fn expand(all: &Instances, ri: &mut (impl Ri + ?Sized)) -> RiResult {
                     Vec3::from(all.position[i]),
                 );
                 ri.concat_transform(place.to_cols_array())?;
+                fit.size = Vec3::ONE;
+                request_fit(fit, ri)?;
                 ri.sphere(radius, -radius, radius, 360.0, on_shape)?;
             }
             (InstanceShape::Sphere, None) => {
                 ri.concat_transform(all.matrix(i).to_cols_array())?;
+                request_fit(fit, ri)?;
                 ri.sphere(1.0, -1.0, 1.0, 360.0, on_shape)?;
             }
             (InstanceShape::Object(handle), _) => {
                 ri.concat_transform(all.matrix(i).to_cols_array())?;
+                request_fit(fit, ri)?;
                 ri.object_instance(handle)?;
             }
         }

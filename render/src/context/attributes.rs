@@ -7,7 +7,7 @@ use crate::scene::area::{Area, AreaLight};
 use crate::scene::attributes::{Attribute, DisplacementBound};
 use crate::scene::camera::Camera;
 use glam::Vec3;
-use ri::{Fail, Params, RiResult};
+use ri::{Fail, Param, Params, RiResult};
 use sl::machine::BoundShader;
 use std::sync::Arc;
 
@@ -108,6 +108,7 @@ impl Context {
                 | ("trace", "displacements", Some(_))
                 | ("shape", "kind", _)
                 | ("identifier", "name" | "shadinggroup", _) => {}
+                ("shape", "size" | "offset", _) => self.set_fit(param)?,
                 (group, name, _) => self.scene.warn(format!(
                     "attribute `{group}:{name}` is not supported: shaders may ask for it, it has no other effect"
                 )),
@@ -136,6 +137,23 @@ impl Context {
         };
         self.sets(Attribute::DisplacementBound);
         self.attributes.displacement_bound = Some(bound);
+        Ok(())
+    }
+
+    /// The size of a shape in its object space, or its place there.
+    fn set_fit(&mut self, param: &Param) -> RiResult {
+        let name = param.decl.name.as_str();
+        let &[x, y, z] = param.numbers() else {
+            return Err(Fail::new(format!("`shape:{name}` has {} numbers, expected 3", param.numbers().len())));
+        };
+        let fit = &mut self.attributes.fit;
+        if name == "offset" {
+            fit.offset = Vec3::new(x, y, z);
+        } else if [x, y, z].iter().all(|size| *size > 0.0 && size.is_finite()) {
+            fit.size = Vec3::new(x, y, z);
+        } else {
+            return Err(Fail::new(format!("the size of a shape is [{x} {y} {z}], expected numbers above 0")));
+        }
         Ok(())
     }
 

@@ -80,8 +80,8 @@ fn has_one_look(a: &Source, b: &Source) -> bool {
         (SourceShape::One(Shape::Patches(a, _)), SourceShape::One(Shape::Patches(b, _))) => {
             a.iter().zip(b.iter()).all(|(a, b)| a.has_values_of(b))
         }
-        (SourceShape::Spheres(a), SourceShape::Spheres(b)) => a.params == b.params,
-        (SourceShape::Objects(a, _), SourceShape::Objects(b, _)) => a.params == b.params,
+        (SourceShape::Spheres(a), SourceShape::Spheres(b))
+        | (SourceShape::Objects(a, _), SourceShape::Objects(b, _)) => a.params == b.params && a.offset == b.offset,
         _ => true,
     };
     let names = |source: &Source| source.attached.iter().map(|attached| attached.names().to_vec()).collect::<Vec<_>>();

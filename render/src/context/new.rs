@@ -10,8 +10,8 @@ use crate::scene::options::Options;
 use crate::scene::patch::TEXTURE_CORNERS;
 use crate::scene::world::Scene;
 use glam::Mat4;
-use ri::Fail;
 use ri::files::Files;
+use ri::{Fail, Fit};
 use sl::machine::BoundShader;
 use std::collections::HashMap;
 use std::path::Path;
@@ -87,6 +87,7 @@ fn initial(surface: Arc<BoundShader>) -> Attributes {
         displacement_space: Mat4::IDENTITY,
         displacement_bound: None,
         atmosphere: None,
+        fit: Fit::NONE,
         atmosphere_space: Mat4::IDENTITY,
         interior: None,
         exterior: None,

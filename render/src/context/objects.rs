@@ -92,7 +92,14 @@ impl Context {
             let own = [uniform.clone(), variables_of(spheres, i)].concat();
             let keys = keys_of(&(place, moves.clone()), spheres, i, &[]);
             let whole = first.wrapping_add(i as u32);
-            let part = Part { shape: Shape::Sphere, place: place * spheres.matrix(i), space: place, whole, particle };
+            let part = Part {
+                shape: Shape::Sphere,
+                place: place * spheres.matrix(i),
+                space: place,
+                fit: self.attributes.fit,
+                whole,
+                particle,
+            };
             self.add_part(part, keys, own)?;
         }
         Ok(())
@@ -187,7 +194,7 @@ impl Context {
         }
         for i in 0..instances.len() {
             let object = place.0 * instances.matrix(i);
-            for Part { shape, place: own, space, whole, particle } in group.parts.iter() {
+            for Part { shape, place: own, space, fit, whole, particle } in group.parts.iter() {
                 let keys = keys_of(&place, instances, i, &group.moves);
                 let keys = if group.moves.is_empty() {
                     keys.into_iter().map(|(time, key)| (time, key * *own)).collect()
@@ -198,6 +205,7 @@ impl Context {
                     shape: shape.clone(),
                     place: object * *own,
                     space: object * *space,
+                    fit: self.attributes.fit.of(instances.fit(i)).of(*fit),
                     whole: wholes.of_instance(i).wrapping_add(*whole),
                     particle: *particle,
                 };
@@ -230,6 +238,7 @@ impl Context {
                 position: vec![[0.0; 3]],
                 orientation: vec![],
                 scale: vec![],
+                offset: vec![],
                 params,
                 moved: None,
             };
@@ -238,6 +247,7 @@ impl Context {
                 shape: part.shape.clone(),
                 place: Mat4::IDENTITY,
                 space: part.place.inverse() * part.space,
+                fit: instances.fit(i).of(part.fit),
                 ..part.clone()
             };
             let parts = group.parts.iter().map(placed).collect();
@@ -300,6 +310,7 @@ fn one_of(instances: &Instances, i: usize) -> Instances {
         position: row(&instances.position),
         orientation: instances.orientation.get(i).map_or(vec![], |q| vec![*q]),
         scale: row(&instances.scale),
+        offset: row(&instances.offset),
         params: instances.params.iter().map(|param| instances.param_of(param, i)).collect(),
         moved: instances.moved.as_ref().map(|(times, to)| (*times, row(to))),
     }

@@ -316,6 +316,11 @@ impl Context {
             positive(f_stop, "the f-stop")?;
             positive(length, "the focal length")?;
             positive(distance, "the focal distance")?;
+            if length >= distance {
+                return Err(Fail::new(format!(
+                    "the focal length is {length}, expected less than the focal distance, {distance}: nothing nearer is in focus"
+                )));
+            }
             self.options.lens = Some([f_stop, length, distance]);
         }
         Ok(())

@@ -385,6 +385,7 @@ impl Context {
             position: points.iter().map(|p| p.to_array()).collect(),
             orientation: vec![],
             scale: (0..n).map(|i| [0.5 * width(i); 3]).collect(),
+            offset: vec![],
             params: columns,
             moved: None,
         };
@@ -494,6 +495,7 @@ impl Context {
             position: vec![[0.0; 3]],
             orientation: vec![],
             scale: vec![],
+            offset: vec![],
             params: vec![],
             moved: None,
         };

@@ -90,6 +90,7 @@ pub(super) fn one_sphere(radius: f32) -> Instances {
         position: vec![[0.0; 3]],
         orientation: vec![],
         scale: vec![[radius; 3]],
+        offset: vec![],
         params: vec![],
         moved: None,
     }

@@ -30,7 +30,7 @@ impl sl::machine::Scene for BindScene<'_> {
     fn matrix(&self, from: &str, to: &str) -> Option<[f32; 16]> {
         let to_world = |space: &str| match space {
             "current" | "world" => Some(Mat4::IDENTITY),
-            "shader" | "object" => Some(self.context.to_world()),
+            "shader" | "object" | "shape" => Some(self.context.to_world()),
             "camera" | "eye" => Some(self.context.to_camera.unwrap_or(Mat4::IDENTITY).inverse()),
             named => self.context.scene.spaces.get(named).copied(),
         };
@@ -113,8 +113,9 @@ impl Context {
                 }
                 _ => {
                     return Err(Fail::new(format!(
-                        "parameter `{}` of `{name}` has the wrong type, expected {wanted:?}",
-                        param.decl.name
+                        "parameter `{}` of `{name}` has the wrong type, expected {}",
+                        param.decl.name,
+                        wanted.name()
                     )));
                 }
             }

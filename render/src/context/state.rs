@@ -311,7 +311,11 @@ impl Context {
     fn add(&mut self, shape: Shape, uniform: Uniform, attached: Arc<Attached>, whole: u32) -> RiResult {
         if self.open_object.is_some() {
             let (place, moves) = self.place_in_object();
-            return self.add_part(Part { shape, place, space: place, whole, particle: false }, moves, uniform);
+            return self.add_part(
+                Part { shape, place, space: place, fit: self.attributes.fit, whole, particle: false },
+                moves,
+                uniform,
+            );
         }
         self.push(SourceShape::One(shape), uniform, vec![attached])
     }

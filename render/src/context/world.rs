@@ -11,6 +11,7 @@ use crate::film::display;
 use crate::film::filter::FilterKind;
 use crate::film::image::{Image, expose};
 use crate::scene::camera::Camera;
+use crate::scene::channels::say_unprovided;
 use crate::scene::emitters;
 use crate::scene::motion;
 use crate::scene::options::{Hider, Options};
@@ -124,6 +125,7 @@ impl Context {
         let Some(to_camera) = self.to_camera.take() else { return Err(Fail::new("WorldEnd without WorldBegin")) };
         // What is found wrong while the image is drawn has no place in the file.
         self.scene.warnings.set_place(None);
+        say_unprovided(&self.scene, &display::aovs(&self.options.displays));
         if self.dry {
             return Ok(());
         }

@@ -48,6 +48,8 @@ pub struct View<'a> {
     pub item: Item,
     /// Object space to world.
     pub object_to_world: Mat4,
+    /// The space in which the shape has unit size, to world.
+    pub shape_to_world: Mat4,
     /// The space of the shader that runs, to world.
     pub shader_to_world: Mat4,
     /// Lights that shine on it.
@@ -89,6 +91,7 @@ impl<'a> View<'a> {
             rays,
             item,
             object_to_world: view.object_to_world,
+            shape_to_world: view.to_world,
             shader_to_world: attributes.surface_space,
             lights: &attributes.light_list,
             bias,

@@ -4,6 +4,7 @@ use crate::film::display::SHOWN;
 use crate::scene::area::Emitter;
 use crate::scene::keys;
 use glam::{Mat4, Vec3};
+use ri::Fit;
 use sl::Global;
 use sl::ir::Kind;
 use sl::machine::BoundShader;
@@ -105,6 +106,8 @@ pub struct Attributes {
     pub displacement_space: Mat4,
     /// Greatest displacement; if not given, a tenth of the primitive.
     pub displacement_bound: Option<DisplacementBound>,
+    /// Where the current space stands in the object space of primitives: `Attribute "shape"` sets it.
+    pub fit: Fit,
     /// Atmosphere shader.
     pub atmosphere: Option<Arc<BoundShader>>,
     /// The atmosphere shader's space.
@@ -230,7 +233,7 @@ impl Attributes {
             }};
         }
         let are_same = are_same! {
-            color opacity color_moves opacity_moves surface_space displacement_space displacement_bound atmosphere_space user
+            color opacity color_moves opacity_moves surface_space displacement_space displacement_bound fit atmosphere_space user
             texture_corners emitters area_light light_samples shading_rate smooth two_sided reversed matte visible casts_shadows
             whole_shadows shadows_of_opacity detail detail_box detail_range seen solid
         };

@@ -7,7 +7,7 @@ use crate::scene::shape::Shape;
 use crate::scene::variables::VariableName;
 use crate::warnings::Spot;
 use glam::{Mat3, Mat4, Quat, Vec3, Vec4};
-use ri::{Instances, Param, Type, Values};
+use ri::{Fit, Instances, Param, Type, Values};
 use sl::Global;
 use sl::machine::Points;
 use std::collections::HashMap;
@@ -31,8 +31,10 @@ pub struct Part {
     pub shape: Shape,
     /// Its shape to the object.
     pub place: Mat4,
-    /// Its own object space to that of the object: as `place`, but without the scale that is a sphere's radius.
+    /// The space that it was declared in to that of the object: as `place`, but without the scale that is a sphere's radius.
     pub space: Mat4,
+    /// Where that space stands in its object space.
+    pub fit: Fit,
     /// The primitive that it is a part of, counted from 0 in the object.
     pub whole: u32,
     /// It is one of `Points`, of which the eye and the light see one side.
@@ -101,7 +103,9 @@ pub struct ItemView<'a> {
     pub shape: &'a Shape,
     /// Shape to world.
     pub to_world: Mat4,
-    /// Object space to world: as `to_world`, but without the scale that is a sphere's radius.
+    /// The space that it was declared in to world: as `to_world`, but without the scale that is a sphere's radius.
+    pub declared_to_world: Mat4,
+    /// Object space to world: as `declared_to_world`, but without the scale that is the size of an instance.
     pub object_to_world: Mat4,
     /// Attributes.
     pub attributes: &'a Attributes,
@@ -176,6 +180,7 @@ pub(crate) fn repeats(columns: &Instances, variables_count: bool) -> Vec<u32> {
             && scale == columns.scale.get(before)
             && turn == columns.orientation.get(before)
             && columns.moved.as_ref().is_none_or(|(_, to)| to[i] == to[before])
+            && !(variables_count && columns.offset.get(i) != columns.offset.get(before))
             && !(variables_count && columns.params.iter().any(|p| !has_one_value(p, i, before)));
         if same {
             repeats.resize(n, 1);
@@ -217,11 +222,8 @@ impl Hasher for Mixed {
     }
 }
 
-/// The object space of a sphere: the radius of a sphere is no part of it, the half axes of an ellipsoid are.
+/// The space of a sphere without its radius, or the half axes of an ellipsoid.
 pub(crate) fn unscaled(columns: &Instances, i: usize) -> Mat4 {
-    if columns.scale.get(i).is_some_and(|s| s[0] != s[1] || s[1] != s[2]) {
-        return columns.matrix(i);
-    }
     let turn = columns.orientation.get(i).map_or(Quat::IDENTITY, |q| Quat::from_array(*q));
     Mat4::from_rotation_translation(turn, Vec3::from(columns.position[i]))
 }
@@ -282,7 +284,7 @@ impl ItemView<'_> {
         for spatial in &self.attached.spatial {
             // What a primitive has is of its own space, what instances have is of the space that they are placed in.
             let m = match spatial.of_source {
-                true if spatial.slot < self.source.uniform.len() => self.object_to_world,
+                true if spatial.slot < self.source.uniform.len() => self.declared_to_world,
                 true => self.source.to_world,
                 false => self.to_world,
             };
@@ -344,6 +346,7 @@ mod tests {
             position: vec![[0.0; 3], [1.0; 3], [0.0; 3], [0.0; 3], [1.0; 3]],
             orientation: vec![],
             scale: vec![],
+            offset: vec![],
             params: vec![Param::floats("k", Class::Uniform, Type::Float, vec![1.0, 2.0, 1.0, 3.0, 2.0])],
             moved: None,
         };

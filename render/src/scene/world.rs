@@ -9,6 +9,7 @@ use crate::scene::source::{Item, ItemView, Source, SourceShape, instance_color, 
 use crate::texture::Textures;
 use crate::warnings::{Spot, Warnings};
 use glam::{Mat4, Vec3};
+use ri::Fit;
 use sl::ir::{Ask, Program};
 use sl::machine::Answer;
 use std::collections::{BTreeMap, HashMap};
@@ -183,20 +184,23 @@ impl Scene {
             SourceShape::Objects(_, parts) => i % parts.len(),
             SourceShape::One(_) | SourceShape::Spheres(_) => 0,
         };
-        let (shape, place, object, instance) = match &source.shape {
-            SourceShape::One(shape) => (shape, Mat4::IDENTITY, Mat4::IDENTITY, None),
+        let (shape, place, (declared, fit), instance) = match &source.shape {
+            SourceShape::One(shape) => (shape, Mat4::IDENTITY, (Mat4::IDENTITY, Fit::NONE), None),
             SourceShape::Spheres(columns) => {
                 let own = if source.shares_space { Mat4::IDENTITY } else { unscaled(columns, i) };
-                (&WHOLE_SPHERE, columns.matrix(i), own, Some((columns, i)))
+                let fit = Fit { size: Vec3::ONE, ..columns.fit(i) };
+                (&WHOLE_SPHERE, columns.matrix(i), (own, fit), Some((columns, i)))
             }
             SourceShape::Objects(columns, parts) => {
                 let (k, part) = (i / parts.len(), &parts[part]);
                 let object = columns.matrix(k);
-                (&part.shape, object * part.place, object * part.space, Some((columns, k)))
+                let declared = (object * part.space, columns.fit(k).of(part.fit));
+                (&part.shape, object * part.place, declared, Some((columns, k)))
             }
         };
         let color = instance.and_then(|(columns, i)| instance_color(columns, i)).unwrap_or(attributes.color);
-        let (to_world, object_to_world) = (source.to_world * place, source.to_world * object);
+        let (to_world, declared_to_world) = (source.to_world * place, source.to_world * declared);
+        let object_to_world = attributes.fit.of(fit).object_of(declared_to_world);
         let shift = instance.and_then(|(columns, i)| {
             let (_, to) = columns.moved.as_ref()?;
             Some(Vec3::from(to[i]) - Vec3::from(columns.position[i]))
@@ -207,6 +211,7 @@ impl Scene {
         ItemView {
             shape,
             to_world,
+            declared_to_world,
             object_to_world,
             attributes,
             color,
@@ -313,7 +318,7 @@ impl Scene {
             self.warnings.add_at(
                 spot(source),
                 format!(
-                    "displacement `{shader}` reaches farther than its bound, so that some of it may be missing: `Attribute \"displacementbound\" \"sphere\" [{bound}]` is needed"
+                    "displacement `{shader}` reaches farther than its bound, so that some of it may be missing: it needs {bound}, in the unit of object space (in a metadata file `displacement: {{bound: {bound}}}`, m; in RIB `Attribute \"displacementbound\" \"sphere\" [{bound}]`)"
                 ),
             );
         }

@@ -1,7 +1,7 @@
 //! Checks of what every kind of file says, with the keys of metadata files.
 
-use super::object::Formula;
 use super::resolved::{Data, ImageFormat, Output, Place};
+use crate::formula::Formula;
 use frame::Fault;
 use frame::yaml::Document;
 
@@ -73,7 +73,7 @@ impl Data {
         derive: &[(String, String)],
         select: Option<&str>,
     ) -> Result<Data, Fault> {
-        let compile = |key: String, text: &str| Formula::compile(doc, key, text).map(|formula| formula.expr);
+        let compile = |key: String, text: &str| Formula::compile(doc, key, text);
         let mut columns = Vec::new();
         for (k, (column, formula)) in derive.iter().enumerate() {
             columns.push((column.clone(), compile(format!("data.derive.{k}.formula"), formula)?));

@@ -3,19 +3,10 @@
 //! An object is made with its formulas as texts (`Object<String>`), and [`Object::compile`] makes programs of these.
 
 use crate::colormap::{self, Map};
-use crate::expr::Expr;
+use crate::formula::Formula;
 use frame::Fault;
 use frame::yaml::Document;
 use ri::{Param, Params, Values};
-
-/// A compiled expression and its key in the file.
-#[derive(Clone, Debug)]
-pub struct Formula {
-    /// Key of the expression, such as `objects.2.select`.
-    pub key: String,
-    /// The expression.
-    pub expr: Expr,
-}
 
 /// An object: rows of the data, with their geometry and shaders. `F` is the type of its formulas: `String` before
 /// [`Object::compile`], [`Formula`] after it; `M` is the type of its colour map likewise.
@@ -146,16 +137,6 @@ pub struct Shader {
     pub traced: bool,
     /// Parameters of the shader, with their values.
     pub params: Params,
-}
-
-impl Formula {
-    /// Compile the expression `text` of a key. An error if it is malformed.
-    pub fn compile(doc: &Document, key: String, text: &str) -> Result<Formula, Fault> {
-        match Expr::parse(text) {
-            Ok(expr) => Ok(Formula { key, expr }),
-            Err(e) => Err(doc.fault(&key, format!("in the expression, at character {}: {}", e.at + 1, e.message))),
-        }
-    }
 }
 
 impl Object<String, String> {

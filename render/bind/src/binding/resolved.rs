@@ -1,13 +1,13 @@
 //! A binding's parts: data, camera, images, and what finds files and columns for them.
 
-use super::object::{Formula, Object};
+use super::object::Object;
 use super::overlays::Overlays;
 use crate::Up;
 use crate::data::{Source, Store};
-use crate::expr::Expr;
+use crate::formula::{Formula, unknown_column};
 use frame::csv::Layout;
 use frame::yaml::Document;
-use frame::{Fault, Frame, nearest, run, table};
+use frame::{Fault, Frame, run, table};
 use ri::files::Files;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -54,9 +54,9 @@ pub struct Data {
     /// The place of the data; none if the file does not give exactly one, which is a fault when the data is opened.
     pub place: Option<Place>,
     /// Derived columns, in order: name and expression.
-    pub derive: Vec<(String, Expr)>,
+    pub derive: Vec<(String, Formula)>,
     /// Condition on the rows to keep; all rows if not given.
-    pub select: Option<Expr>,
+    pub select: Option<Formula>,
 }
 
 /// The place of data; paths are relative to the file's folder.
@@ -210,6 +210,25 @@ pub struct Lens {
     pub focus: Option<f32>,
 }
 
+impl Lens {
+    /// Check that it can be focused, where what is looked at is `distance` m away; in a frame, if it is of one. The error is at the key of the focal length.
+    pub fn check(&self, doc: &Document, distance: f32, frame: Option<u64>) -> Result<(), Fault> {
+        let focus = self.focus.unwrap_or(distance);
+        if self.focal_length < focus {
+            return Ok(());
+        }
+        let frame = frame.map_or(String::new(), |number| format!(" in frame {number}"));
+        let length = self.focal_length;
+        let message = format!("is {length} m, expected less than the distance of what is in focus, {focus} m{frame}");
+        let hint = if length >= 1.0 {
+            format!("lengths are in metres: of a lens of {length} mm it is {}", length / 1000.0)
+        } else {
+            "lengths are in metres".into()
+        };
+        Err(doc.fault("camera.lens.focal_length", message).hint(hint))
+    }
+}
+
 /// Resolution, sampling and file format of images.
 #[derive(Clone, Debug)]
 pub struct Output {
@@ -358,7 +377,7 @@ impl Binding {
     /// Take the run in the file's folder as the data, with what the file derives and selects of its data.
     pub fn take_run(&mut self, run: run::RunReader) -> Source {
         let (derive, select) = self.data.take().map(|data| (data.derive, data.select)).unwrap_or_default();
-        let source = Source::new(Store::Run(run), derive.clone(), select.clone());
+        let source = Source::new(Store::Run(run), derive.clone(), select.clone(), self.doc.clone());
         self.data = Some(Data { place: Some(Place::Run(".".into())), derive, select });
         source
     }
@@ -380,7 +399,7 @@ impl Binding {
             }
             None => return Err(self.doc.fault("data", "needs exactly one of `run`, `files` and `csv`")),
         };
-        Ok(Source::new(store, data.derive.clone(), data.select.clone()))
+        Ok(Source::new(store, data.derive.clone(), data.select.clone(), self.doc.clone()))
     }
 
     /// Check that `frame` has every column that the objects of its rows and the camera use. The error is at the key that names a missing one.
@@ -398,12 +417,7 @@ impl Binding {
         for formula in follow.into_iter().chain(own.flat_map(Object::formulas)) {
             for column in formula.expr.columns() {
                 if !names.contains(&column.as_str()) {
-                    let message = format!("unknown column `{column}`, the data has {}", frame::listed(&names));
-                    let fault = self.doc.fault(&formula.key, message);
-                    return Err(match nearest(column, names.iter().copied()) {
-                        Some(near) => fault.hint(format!("did you mean `{near}`?")),
-                        None => fault,
-                    });
+                    return Err(unknown_column(&self.doc, &formula.key, column, frame));
                 }
             }
         }

@@ -73,6 +73,7 @@ pub(super) fn groups<'a>(
             position: along(&all.position),
             orientation: vectors.iter().map(turn).collect(),
             scale: sizes.iter().map(|(_, scale)| *scale).collect(),
+            offset: vec![],
             params: all.params.clone(),
             moved: all.moved.as_ref().map(|(times, to)| (*times, along(to))),
         };

@@ -1,12 +1,13 @@
 //! The camera of a frame: its projection, and where it has gone.
 
+use super::wrong::{Origin, Wrong};
 use super::{archive, keys};
 use crate::binding::{Binding, Camera, Formula, Placed, Projection};
 use crate::expr::Expr;
 use frame::{Fault, FaultKind, Frame};
 use glam::{Mat4, Quat, Vec3};
 use ri::files::Files;
-use ri::{Class, Fail, Param, Ri, RiResult, Type};
+use ri::{Class, Fail, Param, Ri, Type};
 
 /// The depths at which nothing is seen, m, where a camera is not nearer than 0.2 m to what it looks at.
 const NEAR: f32 = 1e-3;
@@ -68,14 +69,22 @@ pub(super) fn width(binding: &Binding, i: usize, geometry: &str, given: Option<f
 }
 
 /// Projection and world-to-camera matrix.
-pub(super) fn inject(binding: &Binding, number: u64, stand: Option<Stand>, files: &Files, ri: &mut dyn Ri) -> RiResult {
+pub(super) fn inject(
+    binding: &Binding,
+    number: u64,
+    stand: Option<Stand>,
+    files: &Files,
+    ri: &mut dyn Ri,
+) -> Result<(), Wrong> {
     let (camera, Stand { mut eye, mut at, projection }) = match (&binding.camera, stand) {
         (Some(Camera::Placed(camera)), Some(stand)) => (camera, stand),
-        (Some(Camera::File(file)), _) => return archive::include(&numbered(file, number), files, ri),
+        (Some(Camera::File(file)), _) => {
+            let at = Origin { binding, key: "camera.file", object: None };
+            return archive::include(&numbered(file, number), files, at, ri);
+        }
         _ => {
-            return Err(Fail::new(
-                "the scene wants a camera, but the metadata has none: add `camera: {eye: …, look_at: …}`",
-            ));
+            let message = "the scene wants a camera, but the metadata has none: add `camera: {eye: …, look_at: …}`";
+            return Err(Fail::new(message).into());
         }
     };
     let shift = if camera.aside == 0.0 { 0.0 } else { step_aside(camera, projection, &mut eye, &mut at) };
@@ -105,7 +114,7 @@ pub(super) fn inject(binding: &Binding, number: u64, stand: Option<Stand>, files
         let focus = lens.focus.unwrap_or((Vec3::from(at) - Vec3::from(eye)).length());
         ri.depth_of_field(lens.f_stop, lens.focal_length, focus)?;
     }
-    ri.concat_transform(look_at(eye, at, camera.up).to_cols_array())
+    Ok(ri.concat_transform(look_at(eye, at, camera.up).to_cols_array())?)
 }
 
 /// Move a camera to the side, for an eye of a stereo pair; gives how far its window on the screen is moved back, so that what is looked at
@@ -157,6 +166,9 @@ fn moved(binding: &Binding, camera: &Placed, frame: &Frame) -> Result<Stand, Fau
             eye[k] += middle[k] as f32;
             at[k] += middle[k] as f32;
         }
+    }
+    if let Some(lens) = &camera.lens {
+        lens.check(&binding.doc, (Vec3::from(at) - Vec3::from(eye)).length(), Some(frame.number))?;
     }
     Ok(Stand { eye, at, projection })
 }

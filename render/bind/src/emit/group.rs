@@ -32,6 +32,7 @@ pub(super) fn select(all: &Instances, chosen: &[usize]) -> Instances {
         position: of(&all.position, chosen),
         orientation: of(&all.orientation, chosen),
         scale: of(&all.scale, chosen),
+        offset: of(&all.offset, chosen),
         params: all.params.iter().map(param).collect(),
         moved: all.moved.as_ref().map(|(times, to)| (*times, of(to, chosen))),
     }

@@ -128,6 +128,8 @@ fn capsule_ends(middle: &Instances) -> Vec<Instances> {
         position: all(&middle.position, side),
         moved: middle.moved.as_ref().map(|(times, to)| (*times, all(to, side))),
         scale: middle.scale.iter().map(|[r, _, _]| [*r; 3]).collect(),
+        // They have the object space of the middle, so that patterns go on across the seam.
+        offset: middle.scale.iter().map(|[_, _, half]| [0.0, 0.0, side * half]).collect(),
         ..middle.clone()
     };
     vec![sphere(-1.0), sphere(1.0)]

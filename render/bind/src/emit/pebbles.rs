@@ -150,7 +150,7 @@ fn scattered(about: [f32; 3], view: f32, sight: &Sight) -> Instances {
         Param::floats("Cs", Class::Uniform, Type::Color, colors),
         Param::floats("id", Class::Uniform, Type::Float, ids),
     ];
-    Instances { shape: InstanceShape::Sphere, position, orientation, scale, params, moved: None }
+    Instances { shape: InstanceShape::Sphere, position, orientation, scale, offset: vec![], params, moved: None }
 }
 
 /// Numbers that belong to a square.

@@ -1,10 +1,10 @@
 //! Chosen rows of a frame, and the values of expressions in them.
 
-use super::missing::Lack;
+use super::missing::{Lack, ORIENTATION, VELOCITY};
 use crate::binding::{Binding, Formula, Object, Shape};
 use crate::colormap::Map;
 use crate::expr::Expr;
-use frame::{Fault, FaultKind, Frame};
+use frame::{Column, Fault, FaultKind, Frame};
 use glam::Quat;
 use ri::{Class, InstanceShape, Instances, Param, Type};
 use std::cell::RefCell;
@@ -144,6 +144,7 @@ impl<'a> Rows<'a> {
             scale: self.scale(&object.shape)?,
             position: self.vectors("position", exprs(&object.position))?,
             orientation: self.orientation(object)?,
+            offset: vec![],
             params: vec![],
             moved: None,
         };
@@ -182,15 +183,18 @@ impl<'a> Rows<'a> {
     /// What tells bodies apart, for shaders with a parameter `id`: the column of that name, or the row's place.
     pub(super) fn ids(&self) -> Param {
         let column = self.frame.column("id");
-        let id = |row: &usize| column.and_then(|ids| ids.number(*row)).unwrap_or(*row as f64);
         // Numbers up to 2^20 are whole in single precision with room for halves.
-        let ids = self.rows.iter().map(|row| id(row).rem_euclid(1_048_576.0) as f32);
+        let id = |row: &usize| match column {
+            Some(Column::I64(ids)) => ids[*row].rem_euclid(1 << 20) as f32,
+            ids => ids.and_then(|ids| ids.number(*row)).unwrap_or(*row as f64).rem_euclid(1_048_576.0) as f32,
+        };
+        let ids = self.rows.iter().map(id);
         Param::floats("id", Class::Uniform, Type::Float, ids.collect::<Vec<f32>>())
     }
 
     /// Quaternions (x, y, z, w), made unit and turned as the data is; none if neither the object nor the data has any and nothing is turned.
     pub(super) fn orientation(&self, object: &Object) -> Result<Vec<[f32; 4]>, Fault> {
-        let standard = ["quat_w", "quat_x", "quat_y", "quat_z"];
+        let standard = ORIENTATION;
         let exprs = match &object.orientation {
             Some(q) => q.each_ref().map(|formula| formula.expr.clone()),
             None if standard.iter().all(|c| self.frame.column(c).is_some()) => standard.map(Expr::column),
@@ -208,7 +212,7 @@ impl<'a> Rows<'a> {
 
     /// Velocities: the object's own, or those of the standard columns; none if the data does not have these either.
     pub(super) fn velocity(&self, object: &Object) -> Result<Option<Vec<[f32; 3]>>, Fault> {
-        let standard = ["vel_x", "vel_y", "vel_z"];
+        let standard = VELOCITY;
         let velocity = match &object.velocity {
             Some(own) => self.vectors("velocity", exprs(own))?,
             None if standard.iter().all(|c| self.frame.column(c).is_some()) => {

@@ -2,15 +2,31 @@
 
 use super::archive;
 use super::group::Group;
+use super::wrong::{Origin, Wrong};
 use crate::binding::Shape;
 use ri::files::Files;
 use ri::{Class, Declaration, Param, Params, Ri, RiResult, Type, Values};
 
 /// The retained object of a shape that is not a sphere: a unit box, a unit square, a cylinder, a cone, a part of an
 /// arrow, or what the group's file has.
-pub(super) fn define(shape: &Shape, group: &Group, files: &Files, ri: &mut dyn Ri) -> RiResult {
+pub(super) fn define(
+    shape: &Shape,
+    group: &Group,
+    files: &Files,
+    at: Origin<'_>,
+    ri: &mut dyn Ri,
+) -> Result<(), Wrong> {
+    if let Shape::Archive(..) = shape {
+        let key = format!("{}.geometry.archive.file", at.key);
+        return group.archive.map_or(Ok(()), |file| archive::include(file, files, at.key(&key), ri));
+    }
+    Ok(unit(shape, group, ri)?)
+}
+
+/// The unit shape of a geometry that is from no file.
+fn unit(shape: &Shape, group: &Group, ri: &mut dyn Ri) -> RiResult {
     match shape {
-        Shape::Archive(..) => group.archive.map_or(Ok(()), |file| archive::include(file, files, ri)),
+        Shape::Archive(..) => Ok(()),
         Shape::Plane(_) => {
             ri.polygon(polygon([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]]))
         }

@@ -3,7 +3,7 @@
 use super::rows::{Rows, exprs};
 use crate::binding::{Binding, Color, Object, Reach, Trail};
 use crate::moment::Moment;
-use frame::{Fault, Frame};
+use frame::{Column, Fault, Frame};
 use ri::{Class, Declaration, Param, Params, Ri, RiResult, Type, Values};
 use std::collections::HashMap;
 
@@ -86,7 +86,11 @@ fn places(rows: &Rows, object: &Object, age: f32) -> Result<Vec<(Key, Place)>, F
     };
     let [id, part] = ["id", "part"].map(|name| rows.frame.column(name));
     let key = |row: usize| {
-        let number = |column: Option<&frame::Column>| column.and_then(|c| c.number(row)).map(f64::to_bits);
+        let number = |column: Option<&Column>| match column? {
+            // Of large ones a number in double precision would be that of others, too.
+            Column::I64(whole) => whole.get(row).map(|k| *k as u64),
+            other => other.number(row).map(f64::to_bits),
+        };
         (number(id).unwrap_or(row as u64), number(part).unwrap_or(0))
     };
     let place = |k: usize| {

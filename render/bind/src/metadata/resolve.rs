@@ -25,6 +25,10 @@ pub fn check(metadata: Metadata, doc: Document) -> Result<Binding, Fault> {
     let data = metadata.data.map(|data| resolve_data(data, delimiter, &doc)).transpose()?;
     let compile = |(i, object): (usize, types::Object)| resolve_object(object, i, &doc)?.compile(&doc, i);
     let objects = metadata.objects.into_iter().enumerate().map(compile).collect::<Result<Vec<Object>, _>>()?;
+    if let Some(i) = frame::repeated(objects.iter().map(|object| object.name.as_str())) {
+        let message = format!("two objects are named `{}`: scenes take objects by their names", objects[i].name);
+        return Err(doc.fault(&format!("objects.{i}.name"), message));
+    }
     let stereo = metadata.camera.as_ref().and_then(|spec| spec.stereo);
     let follow = metadata.camera.and_then(|spec| spec.follow);
     if let (Some(Camera::Placed(placed)), Some(text)) = (&mut camera, follow) {
@@ -130,18 +134,7 @@ fn camera(c: &CameraSpec, doc: &Document) -> Result<Camera, Fault> {
     if c.file.is_some() && (moves || c.view.is_some()) {
         return Err(doc.fault("camera", "a camera from a file stays as the file has it"));
     }
-    let lens = c.lens.as_ref();
-    let lens = lens.map(|l| Lens { f_stop: l.f_stop, focal_length: l.focal_length, focus: l.focus });
-    if let Some(lens) = &lens {
-        if c.file.is_some() || c.orthographic.is_some() {
-            return Err(doc.fault("camera.lens", "belongs to a camera with `eye` and `look_at` in perspective"));
-        }
-        let numbers =
-            [("f_stop", lens.f_stop), ("focal_length", lens.focal_length), ("focus", lens.focus.unwrap_or(1.0))];
-        if let Some((name, _)) = numbers.iter().find(|(_, x)| !(*x > 0.0 && x.is_finite())) {
-            return Err(doc.fault(&format!("camera.lens.{name}"), "expected a number above 0"));
-        }
-    }
+    let lens = lens(c, doc)?;
     if c.stereo.is_some_and(|s| !(s > 0.0 && s.is_finite())) {
         return Err(doc.fault("camera.stereo", "expected the distance of the eyes in metres, more than 0"));
     }
@@ -174,6 +167,9 @@ fn camera(c: &CameraSpec, doc: &Document) -> Result<Camera, Fault> {
     if !(way.cross(up.into()).length() > 0.0) {
         return Err(doc.fault("camera", "cannot look along `up`, nor at the place where it stands"));
     }
+    if let Some(lens) = lens.as_ref().filter(|_| c.keys.is_empty()) {
+        lens.check(doc, way.length(), None)?;
+    }
     let projection = c.orthographic.map_or(Projection::Perspective(c.fov), Projection::Parallel);
     let keys = keys(c, (eye, look_at), doc)?;
     Ok(Camera::Placed(Box::new(Placed {
@@ -190,6 +186,23 @@ fn camera(c: &CameraSpec, doc: &Document) -> Result<Camera, Fault> {
         keys,
         aside: 0.0,
     })))
+}
+
+/// The lens of a camera in perspective, if it has one.
+fn lens(c: &CameraSpec, doc: &Document) -> Result<Option<Lens>, Fault> {
+    let lens = c.lens.as_ref();
+    let lens = lens.map(|l| Lens { f_stop: l.f_stop, focal_length: l.focal_length, focus: l.focus });
+    if let Some(lens) = &lens {
+        if c.file.is_some() || c.orthographic.is_some() {
+            return Err(doc.fault("camera.lens", "belongs to a camera with `eye` and `look_at` in perspective"));
+        }
+        let numbers =
+            [("f_stop", lens.f_stop), ("focal_length", lens.focal_length), ("focus", lens.focus.unwrap_or(1.0))];
+        if let Some((name, _)) = numbers.iter().find(|(_, x)| !(*x > 0.0 && x.is_finite())) {
+            return Err(doc.fault(&format!("camera.lens.{name}"), "expected a number above 0"));
+        }
+    }
+    Ok(lens)
 }
 
 /// The keyframes: what one does not give is as before.
@@ -251,13 +264,28 @@ fn resolve_object(object: types::Object, i: usize, doc: &Document) -> Result<Obj
         surface: object.surface.map(shader),
         displacement: object.displacement.map(shader),
         color: match object.color {
-            types::Color::Rgb(rgb) => Color::Rgb(rgb),
+            types::Color::Rgb(rgb) => Color::Rgb(within_one(rgb, i, doc)?),
             types::Color::Column(by) => Color::By { value: text(by.column), map: by.map, range: by.range },
         },
         opacity: object.opacity,
         attributes: vec![],
         is_ground: object.ground,
     })
+}
+
+/// Check that a colour reflects no more than all light.
+fn within_one(rgb: [f32; 3], i: usize, doc: &Document) -> Result<[f32; 3], Fault> {
+    let Some(x) = rgb.iter().find(|x| **x < 0.0 || **x > 1.0) else { return Ok(rgb) };
+    let fault = doc.fault(&format!("objects.{i}.color"), format!("has {x}, expected numbers from 0 to 1"));
+    if rgb.iter().any(|x| !(0.0..=255.0).contains(x)) {
+        return Err(fault);
+    }
+    // Linear, as colours of a metadata file are.
+    let [r, g, b] = rgb.map(|x| ((x / 255.0).powf(2.2) * 1000.0).round() / 1000.0);
+    Err(fault.hint(format!(
+        "colours are linear: of the 8-bit colour {}, {}, {} of a screen it is [{r}, {g}, {b}]",
+        rgb[0], rgb[1], rgb[2]
+    )))
 }
 
 /// The one shape of a geometry of the `i`th object; none if it has several, or none.

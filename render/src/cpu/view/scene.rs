@@ -25,6 +25,7 @@ impl sl::machine::Scene for View<'_> {
     fn matrix(&self, from: &str, to: &str) -> Option<[f32; 16]> {
         self.scene.matrix(from, to, &|space| match space {
             "object" => Some(self.object_to_world),
+            "shape" => Some(self.shape_to_world),
             "shader" => Some(self.shader_to_world),
             _ => None,
         })

@@ -164,7 +164,7 @@ impl Kernel {
     /// The name of a light whose shader reads what differs from primitive to primitive: the spaces of these, or an answer other than
     /// that of an option. A [`super::Batch`] then serves one primitive alone.
     pub fn light_of_primitive(&self) -> Option<&str> {
-        let own = |light: &Shader, space: &String| matches!(light.bound.space_of(space), "object" | "shader");
+        let own = |light: &Shader, space: &String| matches!(light.bound.space_of(space), "object" | "shape" | "shader");
         let differs = |light: &Shader, slot: &Slot| match slot {
             Slot::Matrix { from, to } | Slot::NormalMatrix { from, to } => own(light, from) || own(light, to),
             Slot::Map { .. } => false,
