@@ -399,8 +399,8 @@ fn memory_is_bounded_by_what_is_allowed() {
     )
     .unwrap();
     let check = |memory: &str| scree(&["check", scene.to_str().unwrap(), "--memory", memory]);
-    let said = check("64MiB").fails(3);
-    assert!(said.contains("s.rib:") && said.contains("more than 64 MiB of memory; --memory allows more"), "{said}");
+    let said = check("80MiB").fails(3);
+    assert!(said.contains("s.rib:") && said.contains("more than 80 MiB of memory; --memory allows more"), "{said}");
     check("2GiB").ok();
     for wrong in ["5", "0GiB", "1KiB", "many"] {
         assert!(check(wrong).fails(2).contains("expected a size"), "{wrong}");
