@@ -20,6 +20,7 @@ fn to_current(name: &str) -> Option<Mat4> {
     Some(match name {
         "current" | "world" => Mat4::IDENTITY,
         "object" => Mat4::from_translation(Vec3::new(0.3, -0.2, 0.7)) * Mat4::from_rotation_y(0.4),
+        "shape" => Mat4::from_translation(Vec3::new(0.3, -0.2, 0.7)) * Mat4::from_scale(Vec3::new(0.2, 0.3, 0.4)),
         "shader" => Mat4::from_rotation_x(-0.7) * Mat4::from_scale(Vec3::new(1.0, 2.0, 0.5)),
         "camera" => Mat4::from_translation(Vec3::new(0.0, 0.0, -4.0)) * Mat4::from_rotation_z(0.2),
         "screen" | "raster" | "NDC" => {
