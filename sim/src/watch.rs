@@ -8,7 +8,7 @@
 //! | energy | kinetic, potential and elastic energy have grown by more than a tenth of the available energy beyond what motors and loads have given; or while nothing but joints, motors and loads acted, they have fallen by more than a tenth of the maximum kinetic energy below that |
 //! | overlap | two bodies overlap by more than half the smaller inradius of their shapes; on a device, of all shapes that move |
 //!
-//! What motors, loads, and lengths and preloads that change give is known step by step ([`crate::work`]): energy less that is compared with its
+//! What motors, loads, and lengths and preloads that change give is known step by step (`work.rs`): energy less that is compared with its
 //! minimum, since the last step in which a body has appeared or begun to move, or a joint or spring has begun or ended to act. A hundredth of
 //! what was given and taken meanwhile is tolerated, and what the forces that gave it do at the bound of residuals. Available energy is kinetic energy, elastic
 //! energy, and each body's potential energy over the bottom of the initial bounding box, or over its own lowest position if that is
