@@ -66,7 +66,7 @@ struct Reader<'a> {
     text: &'a str,
     /// The numbers of points, texture coordinates and normals so far.
     columns: [Vec<[f32; 3]>; 3],
-    /// How many the file has.
+    /// Number of each in the whole file.
     n_all: [usize; 3],
 }
 

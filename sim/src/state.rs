@@ -255,8 +255,10 @@ impl State {
 
     /// Elastic energy of the springs, J: of their stiffness, and of their preload as it is now.
     pub fn elastic_energy(&self, model: &Model) -> f64 {
+        // Those of the last step, and at the start of the first.
+        let at = if self.steps > 0 { self.time - model.step } else { self.time };
         let of = |(spring, now): (&Spring, &SpringState)| {
-            if !spring.acts(self.time - model.step) || spring.bodies.iter().any(|b| self.is_inactive(*b as usize)) {
+            if !spring.acts(at) || spring.bodies.iter().any(|b| self.is_inactive(*b as usize)) {
                 return 0.0;
             }
             let stretch = now.coordinate - spring.rest;
