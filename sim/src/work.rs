@@ -6,7 +6,7 @@
 //! ([`crate::watch`]).
 
 use crate::inertia::gyration;
-use crate::joint::{Coordinate, Joint, JointState, Row, SpringState};
+use crate::joint::{Coordinate, Joint, JointState, Row};
 use crate::load::Load;
 use crate::model::Model;
 use crate::state::State;
@@ -48,11 +48,11 @@ impl Span<'_> {
     }
 }
 
-/// Work of a spring's preload as it changes in the step that begins now, J, with the spring's state `known` at its start.
-pub fn of_preload(model: &Model, state: &State, spring: usize, known: &SpringState) -> f64 {
-    let spring = &model.springs[spring];
+/// Work of a spring's preload as it changes in the step that begins now, J.
+pub fn of_preload(model: &Model, state: &State, id: usize) -> f64 {
+    let spring = &model.springs[id];
     let change = spring.preload.at(state.time + model.step) - spring.preload.at(state.time);
-    change * (known.coordinate - spring.rest)
+    change * (state.springs[id].coordinate - spring.rest)
 }
 
 /// Sum of the forces that drive a model, N, after a step: those of motors and loads, torques over the least radius of gyration.

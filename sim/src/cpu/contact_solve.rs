@@ -431,7 +431,7 @@ fn fill_eta(eta: &mut Vec<f64>, plan: &StepPlan, masses: &Masses, contacts: &Con
     eta.resize(n + rolls + limits.len(), 0.0);
     fill_rows(eta, |i| {
         if i < n {
-            3.0 / masses.trace(contacts.bodies[i].map(|b| b as usize), contacts.arms(i))
+            masses.eta(contacts, i)
         } else if i < n + rolls {
             let [a, b] = contacts.bodies[i - n].map(|b| masses.inv_inertia(b as usize));
             let m = a + b;

@@ -326,7 +326,7 @@ fn record_springs(model: &Model, state: &mut State, motion: &[Twist], outcome: &
             let stretch2: f64 = rows().map(|(_, speed)| (h * speed) * (h * speed)).sum();
             outcome.spring_stretch += 0.5 * spring.stiffness * stretch2;
             outcome.spring_oscillation += h * rows().map(power).sum::<f64>();
-            work = work::of_preload(model, state, i, &known);
+            work = work::of_preload(model, state, i);
             outcome.work += work.abs();
         }
         let force = |(psi, speed): (f64, f64)| spring.tension(psi, state.time + h) + spring.damping * speed;

@@ -175,6 +175,12 @@ impl Masses {
         }
     }
 
+    /// η of contact `i`, kg: 3/trace(N_ii).
+    #[inline]
+    pub fn eta(&self, contacts: &Contacts, i: usize) -> f64 {
+        3.0 / self.trace(contacts.bodies[i].map(|b| b as usize), contacts.arms(i))
+    }
+
     /// trace(N_ii) of a contact between two bodies with these arms, m; 1/kg.
     #[inline]
     pub fn trace(&self, [a, b]: [usize; 2], [arm_a, arm_b]: [DVec3; 2]) -> f64 {

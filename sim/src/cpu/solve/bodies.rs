@@ -189,11 +189,6 @@ pub enum Block {
 }
 
 impl BodyOperator<'_> {
-    /// η of a contact, whether there is a column of it or not, kg.
-    pub fn eta_of(&self, contact: usize) -> f64 {
-        3.0 / self.masses.trace(self.contacts.bodies[contact].map(|b| b as usize), self.contacts.arms(contact))
-    }
-
     /// The kind of a block.
     #[inline]
     pub fn block(&self, i: usize) -> Block {

@@ -141,7 +141,7 @@ fn islands(op: &BodyOperator, slow: &Slow, gamma: &[DVec3], response: &Response)
     }
     let is_unsettled = |blocks: &[u32]| {
         let contacts = || blocks.iter().flat_map(|block| slow.all.contacts(*block));
-        let term = |i: usize| term(op, i, op.eta_of(i), gamma, response).length_squared();
+        let term = |i: usize| term(op, i, op.masses.eta(op.contacts, i), gamma, response).length_squared();
         n_bodies <= FEW_BODIES
             && contacts().map(term).sum::<f64>() > slow.error * slow.error * contacts().count() as f64
     };
