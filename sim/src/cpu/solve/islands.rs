@@ -44,6 +44,11 @@ const MOST_BODIES: usize = 512;
 /// Bodies of a model up to which all islands are looked at; of more only those in tiles without a fast body, since looking takes a thirtieth of the
 /// step of thousands that fall.
 const FEW_BODIES: usize = 2048;
+/// Bodies of an island for each that takes part in its motion, at most: a cone that rolls on a bed at rest moves alone, which sweeps see, and would have
+/// the bed solved in each step.
+const OF_EACH: usize = 32;
+/// Speed from which on a body takes part in the motion of its island, over that of its fastest body.
+const TAKES_PART: f64 = 0.1;
 
 /// Contacts of slow bodies, in whose islands all that touches is solved, and how well.
 pub struct Slow<'a> {
@@ -69,6 +74,8 @@ struct Group {
     sum: DVec3,
     /// Their greatest speed, and the greatest beside what all of them move sideways, squared, m²/s².
     fastest: [f64; 2],
+    /// The number of those that take part in its motion.
+    n_moving: usize,
 }
 
 /// Solve the islands of the slow contacts: bodies that hang together by contacts, all of them, since pieces that are solved apart from what they
@@ -110,7 +117,12 @@ fn islands(op: &BodyOperator, slow: &Slow, gamma: &[DVec3], response: &Response)
     let mut sets = DisjointSets::new(n_bodies);
     (0..slow.all.n_manifolds()).map(ends).filter(|ends| ends.iter().all(moves)).for_each(|ends| sets.join(ends));
     let groups = groups(op, &mut sets, twist);
-    let can_be = |group: &Group| group.n_bodies <= MOST_BODIES && group.fastest[0] > least && group.fastest[1] <= most;
+    let can_be = |group: &Group| {
+        group.n_bodies <= MOST_BODIES
+            && group.n_bodies <= OF_EACH * group.n_moving
+            && group.fastest[0] > least
+            && group.fastest[1] <= most
+    };
     if !groups.iter().any(can_be) {
         return vec![];
     }
@@ -164,6 +176,10 @@ fn groups(op: &BodyOperator, sets: &mut DisjointSets, twist: &[Twist]) -> Vec<Gr
         let sideways = mean - op.down * mean.dot(op.down);
         let speeds2 = [twist[b].v, twist[b].v - sideways].map(|v| v.length_squared());
         group.fastest = [0, 1].map(|k| group.fastest[k].max(speeds2[k]));
+    }
+    for b in (0..twist.len()).filter(moving) {
+        let group = &mut groups[sets.of(b as u32) as usize];
+        group.n_moving += usize::from(twist[b].v.length_squared() > TAKES_PART * TAKES_PART * group.fastest[0]);
     }
     groups
 }
