@@ -483,3 +483,25 @@ bodies:
         }
     }
 }
+
+#[test]
+fn a_body_slides_and_stops_at_any_scale() {
+    // Squares of the impulses of the greatest are beyond single precision.
+    for size in [1e-4, 1.0, 1e5, 4e5_f64] {
+        let (speed, half) = ((9.81 * size).sqrt(), 0.125 * size);
+        let mut sim = simulation(&format!(
+            "quality: normal
+materials: {{m: {{density: 1000, friction: 0.5}}}}
+bodies:
+  - {{name: ground, material: m, plane: {{normal: [0, 0, 1]}}}}
+  - {{name: box, material: m, box: {{size: [{size}, {size}, {}]}}, position: [0, 0, {half}], velocity: [{speed}, 0, 0]}}
+",
+            2.0 * half
+        ));
+        // It stops after v/(μ g), v²/(2 μ g) from where it began: by its own size.
+        run(&mut sim, 1.2 * speed / (0.5 * 9.81));
+        let way = sim.state.position[1].x / size;
+        assert!((way - 1.0).abs() < 0.02, "of {size} m: {way}");
+        assert!(sim.state.velocity[1].length() < 1e-3 * speed);
+    }
+}

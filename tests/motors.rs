@@ -372,3 +372,39 @@ joints:
         assert!(said.contains(says) && said.contains(":7:"), "{motor}: {said}");
     }
 }
+
+#[test]
+fn a_motor_that_begins_at_the_end_of_a_step_lags_nowhere() {
+    // Times that are whole steps but for rounding, to either side.
+    for at in [0.1, 0.3, 0.7, 1.1, 1.3, 1.5] {
+        let mut sim = flywheel("", &format!("speed: {{step: {{at: {at}, after: 1}}}}"));
+        let warnings: Vec<_> = (0..1600).flat_map(|_| sim.step().warnings).collect();
+        assert!(warnings.is_empty(), "at {at} s: {warnings:?}");
+        assert!((sim.state.joints[0].rate - 1.0).abs() < 1e-8);
+    }
+}
+
+#[test]
+fn a_length_never_goes_below_zero() {
+    let model = |length: &str| {
+        format!(
+            "materials: {{m: {{density: 1000, friction: 0.5}}}}
+bodies:
+  - {{name: ball, material: m, sphere: {{radius: 0.1}}, position: [0, 0, 1]}}
+joints:
+  - {{name: rod, kind: distance, a: world, b: ball, position: [0, 0, 2], position_b: [0, 0, 1], until: 0.5, length: {length}}}
+"
+        )
+    };
+    let work = scratch();
+    let path = work.path().join("m.yaml");
+    let said = |length: &str| {
+        std::fs::write(&path, model(length)).unwrap();
+        scree(&["check", path.to_str().unwrap()]).errors()
+    };
+    let below = said("{ramp: {times: [0, 1], values: [1, -1.2]}}");
+    assert!(below.contains("m.yaml:5:") && below.contains("comes down to -0.1000 m"), "{below}");
+    // Below zero once the joint no longer acts.
+    let later = said("{ramp: {times: [0, 1], values: [1, -0.5]}}");
+    assert!(later.is_empty(), "{later}");
+}

@@ -38,6 +38,8 @@ const JOINT_ANGLE: f64 = 1e-2;
 const TURN: f64 = 0.2;
 /// Tolerance of errors of driven rates, over the prescribed rate: of fast motors, and at most, of slow ones.
 const MOTOR_RATE: [f64; 2] = [1e-2, 0.5];
+/// Share of a step within which a time is that of a jump: what rounding makes of it.
+const JUMP: f64 = 1e-6;
 /// Tolerance of errors of driven rates within 1 s, over that of errors of joints.
 const MOTOR_DRIFT: f64 = 5.0;
 /// Rate up to which a motor at its maximum effort stands still, over that tolerance.
@@ -280,10 +282,12 @@ impl WatchState {
         let rate = |b: &u32| state.angular_velocity[*b as usize].length();
         let fastest = on_joints.max_by(|a, b| rate(a).total_cmp(&rate(b)))?;
         let (parts, turn, named) = (seen.parts, rate(&fastest) * model.step, label(model, fastest));
+        // What is jerked does not turn at the end of its step.
+        let turns = if turn < 0.01 { String::new() } else { format!(", in which body {named} turns by {turn:.2} rad") };
         Some(of(
             WarningKind::Joint,
             format!(
-                "joints bend too much for a whole step, in which body {named} turns by {turn:.2} rad: it was taken in {parts} parts, as others will be (`parts` of report.csv)"
+                "joints bend too much for a whole step{turns}: it was taken in {parts} parts, as others will be (`parts` of report.csv)"
             ),
         ))
     }
@@ -326,7 +330,11 @@ impl WatchState {
         let moves = joint.bodies.iter().any(|b| state.moves(*b as usize));
         let is_present = moves && !joint.bodies.iter().any(|b| state.is_inactive(*b as usize));
         let acts = is_present && joint.acts(state.time - model.step);
-        let [goal, is] = joint.driven(now, state.time).filter(|_| acts)?;
+        // What jumps at the step's end has either value: the last bits of the time say which one was solved for.
+        let just_before = state.time - JUMP * model.step;
+        let driven = [state.time, just_before].into_iter().filter_map(|t| joint.driven(now, t));
+        let off = |[goal, is]: &[f64; 2]| (is - goal).abs();
+        let [goal, is] = driven.min_by(|a, b| off(a).total_cmp(&off(b))).filter(|_| acts)?;
         let is_rate = matches!(joint.motor, Some(Motor::Speed(_)));
         let scale = self.scale(joint);
         let [fast, slow] = MOTOR_RATE.map(|share| share * goal.abs());

@@ -145,7 +145,7 @@ where
         };
         let mut outcome = Outcome { iterations: 0, residual: f64::INFINITY };
         let mut unsettled = vec![];
-        if op.joints.rows.is_empty() {
+        if op.joints.rows.is_empty() && fits_single(op) {
             coarse.fill(team, op, at, gamma, is_exact);
             if let Some(factor) = excess(op, |b| coarse.twist(at.1, b), |b| op.free(b)) {
                 gamma.iter_mut().for_each(|g| *g *= factor);
@@ -192,6 +192,16 @@ where
         }
         outcome
     }
+}
+
+/// Whether the squares of impulses stay within single precision.
+fn fits_single(op: &BodyOperator) -> bool {
+    /// The greatest momentum of a body before the solve, kg m/s: squares of what contacts give it are a ten millionth of the greatest number, or less.
+    const MOST: f64 = 1e15;
+    /// The mass up to which no speed is asked for, kg.
+    const LIGHT: f64 = 1e9;
+    let is_great = |b: usize| op.masses.inv_mass[b] > 0.0 && op.masses.inv_mass[b] < 1.0 / LIGHT;
+    !(0..op.masses.inv_mass.len()).any(|b| is_great(b) && op.free(b).v.length() > MOST * op.masses.inv_mass[b])
 }
 
 /// Where the impulses that a solve starts from add energy to the bodies, as those of an impact in the step after it, which would throw

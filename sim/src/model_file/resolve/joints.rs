@@ -112,6 +112,11 @@ impl Builder<'_> {
             return Err(doc.fault(&at(part), says));
         }
         let [from, until] = self.interval(key, file.from, file.until, begins)?;
+        let [least, _] = length.range([from, until]);
+        if long && least < 0.0 {
+            let message = format!("comes down to {least:.4} m while the joint acts, expected lengths from 0");
+            return Err(doc.fault(&at("length"), message));
+        }
         self.check_plane(key, file, (pb - pa, z), from <= 0.0)?;
         let (motor, max_effort) = match &file.motor {
             Some(m) => (Some(self.motor(&at("motor"), file.kind, m)?), self.max_effort(&at("motor"), file.kind, m)?),
