@@ -67,6 +67,10 @@ fn one_layer_is_there_of_a_sphere_whose_inside_is_not_seen() {
         ("Sides 1 ReverseOrientation", "0 .6", disk),
         ("Sides 1 Scale 1 -1 1", "-.6 0", disk),
         ("Sides 1 Orientation \"rh\"", "-.6 0", 0.0),
+        ("Sides 1 Orientation \"lh\"", "-.6 0", disk),
+        // A mirrored space is right-handed.
+        ("Sides 1 Scale 1 -1 1 Orientation \"rh\"", "-.6 0", disk),
+        ("Sides 1 Scale 1 -1 1 Orientation \"lh\"", "-.6 0", 0.0),
     ] {
         let found = part(attributes, heights);
         assert!((found - expected).abs() < 4e-3, "{attributes} {heights}: {found}, expected {expected}");

@@ -36,6 +36,9 @@ fn primitives_that_show_nothing_or_too_much_are_said_with_their_place() {
     for (world, expected) in [
         ("Torus .5 .2 90 90 360".to_string(), "make no area"),
         ("Torus .5 0 0 360 360".into(), "make no area"),
+        ("Sphere 0 0 0 360".into(), "make no area"),
+        ("Sphere 1 -1 1 0".into(), "make no area"),
+        ("Disk 0 1 0".into(), "make no area"),
         ("Torus .5 .2 0 90 360".into(), ""),
         (
             "SubdivisionMesh \"catmull-clark\" [4] [0 1 3 2] [] [] [] [] ".to_string() + square,

@@ -6,7 +6,7 @@ use crate::gprim::bound::longest;
 use crate::scene::area::{Area, AreaLight};
 use crate::scene::attributes::{Attribute, DisplacementBound};
 use crate::scene::camera::Camera;
-use glam::Vec3;
+use glam::{Mat4, Vec3};
 use ri::{Fail, Param, Params, RiResult};
 use sl::machine::BoundShader;
 use std::sync::Arc;
@@ -241,12 +241,17 @@ impl Context {
         Ok(())
     }
 
-    /// Which side is outside.
+    /// Which side is outside: that of the handedness of the current space, the other, or that of a handedness as it is named (RISpec, `Orientation`).
     pub(super) fn set_orientation(&mut self, kind: &str) -> RiResult {
         self.sets(Attribute::Orientation);
+        // The camera's space is left-handed.
+        let to_camera = self.to_camera.unwrap_or(Mat4::IDENTITY) * self.transform;
+        let is_right_handed = to_camera.determinant() < 0.0;
         self.attributes.reversed = match kind {
-            "outside" | "lh" => false,
-            "inside" | "rh" => true,
+            "outside" => false,
+            "inside" => true,
+            "lh" => is_right_handed,
+            "rh" => !is_right_handed,
             other => {
                 return Err(Fail::new(format!("unknown orientation `{other}`, expected outside, inside, lh or rh")));
             }

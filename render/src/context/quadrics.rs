@@ -8,13 +8,18 @@ use crate::gprim::variables::{Counts, attach_variables, uniform_numbers};
 use crate::scene::patch::{Patch, TEXTURE_CORNERS};
 use glam::Vec3;
 use ri::{Fail, InstanceShape, Instances, Params, RiResult};
+use std::f32::consts::FRAC_PI_2;
 
 impl Context {
     pub(super) fn draw_sphere(&mut self, radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) -> RiResult {
-        if !(radius != 0.0 && radius.is_finite() && z_min.is_finite() && z_max.is_finite() && sweep.is_finite()) {
+        if !(radius.is_finite() && z_min.is_finite() && z_max.is_finite() && sweep.is_finite()) {
             return Err(Fail::new(format!(
                 "a sphere of radius {radius} from {z_min} to {z_max} over {sweep}° cannot be drawn"
             )));
+        }
+        if radius == 0.0 && self.motion.is_none() {
+            self.say_empty();
+            return Ok(());
         }
         let r = radius.abs();
         let varies = params.iter().any(|p| !p.decl.class.is_whole());
@@ -26,8 +31,13 @@ impl Context {
             let uniform = uniform_numbers(params)?;
             return self.add_spheres(one_sphere(r), uniform, false);
         }
-        let angle = |z: f32| (z / r).clamp(-1.0, 1.0).asin();
+        let angle = |z: f32| if r > 0.0 { (z / r).clamp(-1.0, 1.0).asin() } else { z.signum() * FRAC_PI_2 };
         self.quadric(Outline::Circle([0.0; 2], r, [z_min, z_max].map(angle)), sweep, params)
+    }
+
+    /// Warn of what has no area, as a particle that has shrunk to a point.
+    fn say_empty(&self) {
+        self.scene.warn("a quadric whose numbers make no area is not seen".into());
     }
 
     /// Warn of a sweep of more than a whole turn.
@@ -50,12 +60,13 @@ impl Context {
             return Ok(());
         }
         if sweep == 0.0 {
-            return Err(Fail::new("the quadric's numbers make no surface"));
+            self.say_empty();
+            return Ok(());
         }
         self.say_sweep(sweep);
         let mut patches = quadric_patches(&quadric, quadric.pieces())?;
         if patches.iter().all(has_no_area) {
-            self.scene.warn("a quadric whose numbers make no area is not seen".into());
+            self.say_empty();
         }
         let names = attach_variables(&mut patches, &params)?;
         self.add_patches(patches, names)
