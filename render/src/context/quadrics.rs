@@ -8,16 +8,17 @@ use crate::gprim::variables::{Counts, attach_variables, uniform_numbers};
 use crate::scene::patch::{Patch, TEXTURE_CORNERS};
 use glam::Vec3;
 use ri::{Fail, InstanceShape, Instances, Params, RiResult};
-use std::f32::consts::FRAC_PI_2;
 
 impl Context {
     pub(super) fn draw_sphere(&mut self, radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) -> RiResult {
-        if !(radius.is_finite() && z_min.is_finite() && z_max.is_finite() && sweep.is_finite()) {
+        // A sphere that grows from a point in a motion block is not drawn.
+        let may_be_drawn = radius.is_finite() && (radius != 0.0 || self.motion.is_none());
+        if !(may_be_drawn && z_min.is_finite() && z_max.is_finite() && sweep.is_finite()) {
             return Err(Fail::new(format!(
                 "a sphere of radius {radius} from {z_min} to {z_max} over {sweep}° cannot be drawn"
             )));
         }
-        if radius == 0.0 && self.motion.is_none() {
+        if radius == 0.0 {
             self.say_empty();
             return Ok(());
         }
@@ -31,7 +32,7 @@ impl Context {
             let uniform = uniform_numbers(params)?;
             return self.add_spheres(one_sphere(r), uniform, false);
         }
-        let angle = |z: f32| if r > 0.0 { (z / r).clamp(-1.0, 1.0).asin() } else { z.signum() * FRAC_PI_2 };
+        let angle = |z: f32| (z / r).clamp(-1.0, 1.0).asin();
         self.quadric(Outline::Circle([0.0; 2], r, [z_min, z_max].map(angle)), sweep, params)
     }
 

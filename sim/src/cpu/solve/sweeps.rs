@@ -196,7 +196,7 @@ where
 
 /// Whether the squares of impulses stay within single precision.
 fn fits_single(op: &BodyOperator) -> bool {
-    /// The greatest momentum of a body before the solve, kg m/s: squares of what contacts give it are a ten millionth of the greatest number, or less.
+    /// The greatest momentum of a body before the solve, kg m/s: its square is 3e-9 of the greatest number.
     const MOST: f64 = 1e15;
     /// The mass up to which no speed is asked for, kg.
     const LIGHT: f64 = 1e9;
