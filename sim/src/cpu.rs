@@ -143,6 +143,7 @@ impl Backend for Cpu {
             Column::Tensor => View::of_f64(self.masses.tensors()),
             Column::JointStart => View::of_u32(&self.joint_start),
             Column::JointRow => View::of_rows(&self.joints.rows, row),
+            Column::JointKept => View::of_f64(&self.joints.kept),
             Column::JointBias => View::of_f64(&self.joints.bias),
             Column::Limit => View::of_rows(&self.limits.rows, row),
             Column::LimitJoint => View::of_u32(&self.limits.joint),

@@ -202,6 +202,11 @@ impl Row {
     pub fn speed(&self, a: Twist, b: Twist) -> f64 {
         self.linear.dot(b.v - a.v) + self.angular_b.dot(b.w) - self.angular_a.dot(a.w)
     }
+    /// The speeds that two bodies have by turning, at the arms of the row, and against each other, m/s or rad/s: summed, whatever their directions.
+    pub fn speeds(&self, a: Twist, b: Twist) -> f64 {
+        let turning = self.angular_a.length() * a.w.length() + self.angular_b.length() * b.w.length();
+        turning + self.linear.length() * (b.v - a.v).length()
+    }
 
     /// dΨ/dt, m/s or rad/s, from the velocities of all bodies (n_bodies).
     #[inline]

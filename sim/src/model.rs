@@ -45,6 +45,8 @@ pub struct Model {
     pub gravity: DVec3,
     /// Step size h, s.
     pub step: f64,
+    /// What part of a step this is: 1, but while one is taken in parts.
+    pub part: f64,
     /// Time to simulate, s.
     pub duration: f64,
     /// Frames per second of simulated time.

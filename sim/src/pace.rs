@@ -20,6 +20,9 @@ pub struct Bend {
     pub bent: f64,
     /// The greatest change of the rate at which a body on joints turns, times the step, rad.
     pub change: f64,
+    /// The work that the forces of joints would do on what linear rows leave, over the kinetic energy of their mechanism and what it gains
+    /// by falling for a step: greatest of the mechanisms. It goes with the square of the step, as (ω h)² for what swings by ω under the forces.
+    pub strain: f64,
     /// Whether no solution was found on the arcs, so that rows were linear.
     pub is_lost: bool,
 }
@@ -31,14 +34,17 @@ impl Bend {
             turn: self.turn.max(other.turn),
             bent: self.bent.max(other.bent),
             change: self.change.max(other.change),
+            strain: self.strain.max(other.strain),
             is_lost: self.is_lost || other.is_lost,
         }
     }
 
     /// The parts in which a step that is too long is expected to be short enough: what bends goes with the length, what changes with its square.
     pub fn parts(&self) -> u32 {
-        let ratio = (self.bent / IN_PART.bent).max((self.change / IN_PART.change).sqrt());
-        let parts = if self.is_lost { 2.0 } else { ratio.clamp(2.0, f64::from(MOST)) };
+        let by_strain = (self.strain / STRAIN_OF_PART).sqrt();
+        let ratio = (self.bent / IN_PART.bent).max((self.change / IN_PART.change).sqrt()).max(by_strain);
+        let ratio = if self.is_lost { by_strain } else { ratio };
+        let parts = ratio.clamp(2.0, f64::from(MOST));
         (parts.ceil() as u32).next_power_of_two()
     }
 
@@ -49,7 +55,13 @@ impl Bend {
 
     /// What is expected in a step of twice the length.
     fn over_twice_the_time(&self) -> Bend {
-        Bend { turn: 2.0 * self.turn, bent: 2.0 * self.bent, change: 4.0 * self.change, ..*self }
+        Bend {
+            turn: 2.0 * self.turn,
+            bent: 2.0 * self.bent,
+            change: 4.0 * self.change,
+            strain: 4.0 * self.strain,
+            ..*self
+        }
     }
 }
 
@@ -60,6 +72,12 @@ const BENT: f64 = 0.01;
 
 /// The same of which bodies feel nothing at any point of a turn, as wheels on their axles.
 const EVEN: f64 = 1e-4;
+
+/// [`Bend::strain`] from which on a step is too long, however little turns: taut bridges and chains, whose links turn by the angle that they hang
+/// through. Where no solution was found nothing holds what is left, and less is too much; what a part is expected to have.
+const STRAIN: f64 = 0.1;
+const STRAIN_WHERE_LOST: f64 = 0.01;
+const STRAIN_OF_PART: f64 = 0.05;
 
 /// What a step is too long for, where bodies turn by [`TURNED`].
 #[derive(Clone, Copy)]
@@ -80,7 +98,9 @@ const GROWN: Coarse = Coarse { bent: 0.03, change: 0.003 };
 impl Coarse {
     /// Whether a step is too long for what its joints bend.
     pub fn is_too_long(&self, bend: &Bend) -> bool {
-        bend.is_felt() && (bend.change > self.change || bend.bent > self.bent || bend.is_lost)
+        let strain = if bend.is_lost { STRAIN_WHERE_LOST } else { STRAIN };
+        let is_bent = bend.change > self.change || bend.bent > self.bent || bend.is_lost;
+        bend.strain > strain || bend.is_felt() && is_bent
     }
 }
 
@@ -105,7 +125,7 @@ impl Pace {
         };
         let turned = turned + f64::from(parts) * bend.turn;
         let twice = bend.over_twice_the_time();
-        let is_still = twice.turn < TURNED || twice.bent < EVEN;
+        let is_still = (twice.turn < TURNED || twice.bent < EVEN) && twice.strain < STRAIN;
         let is_calm = turned > TAU && !GROWN.is_too_long(&since.over_twice_the_time());
         match parts > 1 && (is_still || is_calm) {
             true => Pace { parts: parts / 2, ..Pace::default() },
@@ -121,7 +141,7 @@ impl Pace {
 
     /// Whether it is one of steps.
     pub fn is_sound(&self) -> bool {
-        let numbers = [self.turned, self.bend.turn, self.bend.bent, self.bend.change];
+        let numbers = [self.turned, self.bend.turn, self.bend.bent, self.bend.change, self.bend.strain];
         (self.parts == 0 || self.parts.is_power_of_two() && self.parts <= MOST) && !numbers.iter().any(|x| x.is_nan())
     }
 }

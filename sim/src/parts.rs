@@ -30,7 +30,8 @@ pub fn step(
     let (mut taken, mut length) = (0, MOST / state.pace.parts());
     state.contacts.scale(f64::from(length) / f64::from(MOST));
     while taken < MOST {
-        model.step = h * f64::from(length) / f64::from(MOST);
+        model.part = f64::from(length) / f64::from(MOST);
+        model.step = h * model.part;
         let coarse = match length {
             _ if !has_joints(model) => None,
             MOST => Some(IN_STEP),
@@ -38,7 +39,7 @@ pub fn step(
             _ => None,
         };
         let ran = run_stages(cpu, &Stage::ALL, (model, plan), state, (is_checked, coarse));
-        model.step = h;
+        (model.step, model.part) = (h, 1.0);
         match ran? {
             Ran::Whole(times) => {
                 taken += length;

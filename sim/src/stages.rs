@@ -241,7 +241,9 @@ columns! {
     JointStart "joint_start": u32, Length::JointStarts, Values::Any, "", [JointWrite] => [ContactSolve, Integrate];
     /// Rows of joints, motors and implicit springs.
     JointRow "joint_row": Row, Length::Found, Values::Finite, "", [JointWrite] => [ContactSolve, Integrate];
-    /// Bias Ψ/h − rate of the joint rows, and the terms of springs.
+    /// What the step leaves of Ψ of the joint rows.
+    JointKept "joint_kept": f64, Length::As(Column::JointRow), Values::Finite, "m, rad", [JointWrite] => [ContactSolve];
+    /// Bias (Ψ − kept)/h − rate of the joint rows, and the terms of springs.
     JointBias "joint_bias": f64, Length::As(Column::JointRow), Values::Finite, "m/s, rad/s", [JointWrite, ContactSolve] => [ContactSolve];
     /// Rows of joint limits that may be met in the step.
     Limit "limit": Row, Length::Found, Values::Finite, "", [JointWrite, ContactSolve] => [ContactSolve, Integrate];

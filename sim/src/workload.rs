@@ -34,6 +34,7 @@ pub fn build(workload: Workload, n: usize, solver: SolverSettings, step: f64) ->
         name: format!("{workload:?}({n})"),
         gravity: DVec3::new(0.0, 0.0, -9.81),
         step,
+        part: 1.0,
         duration: 1.0,
         frame_rate: 24.0,
         seed: 12345,

@@ -15,7 +15,7 @@ use super::masses::Masses;
 use super::solve::joints::Joints;
 use super::solve::response::Response;
 use crate::inertia::gyration;
-use crate::joint::{Frames, Joint, Motor, Row};
+use crate::joint::{Frames, Joint, Motor};
 use crate::model::Model;
 use crate::pace::Bend;
 use crate::pose::Pose;
@@ -54,8 +54,11 @@ pub struct Arcs {
     pose: Vec<Pose>,
     /// The same, side by side.
     held: Vec<Pose>,
-    /// Bias of the rows on their arcs, m/s or rad/s, what is left at the end over what may be, and over the speed of bodies that turn (n_rows).
-    found: Vec<[f64; 3]>,
+    /// Bias of the rows on their arcs, m/s or rad/s, what is left at the end over what may be, the same over the speed of bodies that turn, and
+    /// the work of the row's force on it, J (n_rows).
+    found: Vec<[f64; 4]>,
+    /// Work of the forces on what is left, and kinetic energy, J (n_held, at the numbers of mechanisms).
+    energy: Vec<[f64; 2]>,
     /// The linear rows: what they let the bodies do, and their bias.
     straight: Response,
     straight_bias: Vec<f64>,
@@ -96,7 +99,7 @@ impl Arcs {
 
     /// Let the joints hold at the end of the step with a response, with what else acts on their bodies.
     pub fn hold(&mut self, at: (&Model, &State), mut linear: Linear, response: &mut Response) {
-        self.turn = 0.0;
+        (self.turn, self.bend.strain) = (0.0, 0.0);
         if bends(&linear) {
             self.bend(at, &mut linear, response);
         } else {
@@ -113,10 +116,13 @@ impl Arcs {
             return linear.joints.finish(linear.masses, response);
         }
         let first = self.find(at, linear, response);
-        let bent = self.found.iter().fold(0.0f64, |most, [_, _, bent]| most.max(*bent));
+        let bent = self.found.iter().fold(0.0f64, |most, [_, _, bent, _]| most.max(*bent));
         if first <= 1.0 {
             return;
         }
+        // What it is without contacts and limits, where there are any, does not matter.
+        self.bend.strain = 0.0;
+        let strain = self.strain(at.0, linear, response);
         self.straight.copy_from(response);
         self.straight_bias.clone_from(&linear.joints.bias);
         let was_old = linear.joints.is_old();
@@ -135,7 +141,7 @@ impl Arcs {
             }
         }
         let is_lost = !(left < ENOUGH);
-        self.bend = self.bend.and(Bend { turn, bent, change, is_lost });
+        self.bend = self.bend.and(Bend { turn, bent, change, strain, is_lost });
         if is_lost {
             response.copy_from(&self.straight);
             linear.joints.bias.clone_from(&self.straight_bias);
@@ -153,7 +159,7 @@ impl Arcs {
         let n = start[model.joints.len()] as usize;
         let (found, poses) = (&mut self.found, &self.pose);
         found.clear();
-        found.extend(joints.bias[..n].iter().map(|bias| [*bias, 0.0, 0.0]));
+        found.extend(joints.bias[..n].iter().map(|bias| [*bias, 0.0, 0.0, 0.0]));
         // What is too far off comes back bit by bit.
         let farthest = model.solver.recovery_speed.max(1.0);
         scatter_rows(found, &start[..=model.joints.len()], |i, out| {
@@ -174,10 +180,12 @@ impl Arcs {
                     continue;
                 }
                 let [a, b] = row.bodies.map(|b| response.twist[b as usize]);
-                let left = end.psi / h + joints.given(first + k, response);
-                let speed = speed_of(row, a, b);
+                let rate = (end.psi - joints.kept[first + k]) / h;
+                let left = rate + joints.given(first + k, response);
+                let speed = row.speeds(a, b);
                 let turns = joint.has_length() || a.w.length().max(b.w.length()) * h > TURNS;
-                *out = [end.psi / h - row.speed(a, b), left.abs() / (LEFT * speed + ROUNDING), 0.0];
+                let work = (left * response.lambda[first + k]).abs();
+                *out = [rate - row.speed(a, b), left.abs() / (LEFT * speed + ROUNDING), 0.0, work];
                 let kind = usize::from(row.linear == DVec3::ZERO);
                 if turns {
                     (lefts[kind], speeds[kind]) = (left.abs().max(lefts[kind]), speed.max(speeds[kind]));
@@ -191,7 +199,27 @@ impl Arcs {
             let bent = |k: usize| lefts[k] / (speeds[k] + ROUNDING);
             out[0][2] = bent(0).max(bent(1));
         });
-        found.iter().fold(0.0, |most, [_, left, _]| if *left > most || left.is_nan() { *left } else { most })
+        found.iter().fold(0.0, |most, [_, left, ..]| if *left > most || left.is_nan() { *left } else { most })
+    }
+
+    /// [`Bend::strain`] of a response, of which [`Arcs::find`] has found what is left.
+    fn strain(&mut self, model: &Model, linear: &Linear, response: &Response) -> f64 {
+        let (held, mechanisms, masses) = (linear.joints.held(), linear.joints.mechanisms(), linear.masses);
+        self.energy.clear();
+        self.energy.resize(held.len(), [0.0; 2]);
+        let falling = (model.gravity * model.step).length_squared();
+        for (b, whole) in held.iter().zip(mechanisms) {
+            let falls = 0.5 * falling / masses.inv_mass[*b as usize];
+            let kinetic = 0.5 * masses.energy::<false>(*b as usize, &response.twist[*b as usize]) + falls;
+            self.energy[*whole as usize][1] += kinetic;
+        }
+        for (row, [.., work]) in linear.joints.rows.iter().zip(&self.found).filter(|(_, [_, left, ..])| *left > 1.0) {
+            if let Some(k) = row.bodies.iter().find_map(|b| held.binary_search(b).ok()) {
+                self.energy[mechanisms[k] as usize][0] += work;
+            }
+        }
+        let strain = |[work, kinetic]: &[f64; 2]| if *work > 0.0 { work / kinetic } else { 0.0 };
+        self.energy.iter().map(strain).fold(0.0, f64::max)
     }
 
     /// The poses at the end of the bodies that have rows.
@@ -249,12 +277,6 @@ fn turning((model, state): (&Model, &State), linear: &Linear, response: &Respons
 /// The speed of a body by turning, at its radius of gyration, m/s.
 fn spin_speed(model: &Model, b: u32, twist: Twist) -> f64 {
     gyration(model.inv_mass[b as usize], model.inv_inertia[b as usize].max_element()) * twist.w.length()
-}
-
-/// The speed that two bodies have by turning, at the arms of a row, and against each other.
-fn speed_of(row: &Row, a: Twist, b: Twist) -> f64 {
-    let turning = row.angular_a.length() * a.w.length() + row.angular_b.length() * b.w.length();
-    turning + row.linear.length() * (b.v - a.v).length()
 }
 
 fn end_pose(model: &Model, state: &State, b: usize, response: &Response) -> Pose {

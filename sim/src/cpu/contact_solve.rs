@@ -15,6 +15,7 @@
 //! in     free              [n_bodies]     m/s and rad/s, world
 //! in     joint_start       [n_joints + 1]
 //! in     joint_row         [n_rows]
+//! in     joint_kept        [n_rows]       m or rad
 //! in     limit_joint       [n_limits]
 //! inout  joint_bias        [n_rows]       m/s: on the arcs of the step
 //! inout  limit             [n_limits]     the same

@@ -3,7 +3,8 @@
 //! in     orientation  [n_bodies]
 //! out    joint_start  [n_joints + 1]  first row of each joint, and of the springs
 //! out    joint_row    [n_rows]        dΨ/dt and Ψ in the world frame
-//! out    joint_bias   [n_rows]        Ψ/h − rate, and terms of springs, m/s
+//! out    joint_kept   [n_rows]        what the step leaves of Ψ, m or rad; 0 of springs
+//! out    joint_bias   [n_rows]        (Ψ − kept)/h − rate, and terms of springs, m/s
 //! out    limit        [n_limits]
 //! out    limit_joint  [n_limits]
 //! inout  tensor       [n_tensors]     geometric stiffness is added
@@ -66,8 +67,9 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
     start.clear();
     joints.rows.clear();
     joints.bias.clear();
+    joints.kept.clear();
     joints.motors.start(h);
-    joints.is_factorised = false;
+    (joints.is_factorised, joints.part) = (false, model.part);
     *limits = Limits::default();
     let frames: Vec<Option<Frames>> =
         model.joints.iter().map(|joint| joint_acts(state, joint).then(|| state.joint_frames(joint))).collect();
@@ -76,8 +78,7 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
         start.push(first as u32);
         let Some(f) = f else { continue };
         joint.rows(f, &state.joints[i], (end, h), &mut joints.rows);
-        let bound = model.solver.recovery_speed.max(1.0);
-        joints.bias.extend(joints.rows[first..].iter().map(|r| (r.psi / h).clamp(-bound / h, bound / h) - r.rate));
+        push_bias(model, state, joint, joints);
         if let Some(most) = joint.max_effort(state.time + 0.5 * h) {
             let row = joints.rows.len() - 1;
             let [rate, ahead] = joint.prescribed(&joints.rows[row], state.time, end);
@@ -113,6 +114,37 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
     let mut stiffness =
         stiffness(model, state, &frames, |i, _| [state.joints[i].force_world, state.joints[i].force_before]);
     let is_stiff = stiffness.apply(model, state, h, Target { masses, free, joints });
+    push_springs(model, state, Target { masses, free, joints });
+    // At the start no force is known.
+    if is_stiff || state.steps == 0 {
+        follow((model, state, &frames), &mut stiffness, start, Target { masses, free, joints });
+    }
+    (joints.is_light, joints.is_stiff) = (stiffness.is_light, is_stiff);
+}
+
+/// Write the bias of the last rows, those of a joint, and what the step leaves of their Ψ.
+///
+/// A step that found no solution leaves a gap ([`super::arcs`]). A part of a step does not make it good in its own short time, by speeds that
+/// a bridge with little slack would multiply, but in that of a whole step. What motors prescribe is never put off.
+fn push_bias(model: &Model, state: &State, joint: &Joint, joints: &mut Joints) {
+    /// Rate of a gap that is made good at once, over the speed of the joint's bodies.
+    const AT_ONCE: f64 = 1e-3;
+    let (h, first) = (model.step, joints.bias.len());
+    let rows = &joints.rows[first..];
+    let bound = model.solver.recovery_speed.max(1.0) / h;
+    for (k, row) in rows.iter().enumerate() {
+        let [a, b] = row.bodies.map(|b| state.twist(b as usize));
+        let is_put_off =
+            model.part < 1.0 && !joint.drives(k, rows.len()) && row.psi.abs() > h * AT_ONCE * row.speeds(a, b);
+        let kept = if is_put_off { (1.0 - model.part) * row.psi } else { 0.0 };
+        joints.kept.push(kept);
+        joints.bias.push(((row.psi - kept) / h).clamp(-bound, bound) - row.rate);
+    }
+}
+
+/// Write the rows of the springs that are implicit, and have the others act on the velocities.
+fn push_springs(model: &Model, state: &State, Target { masses, free, joints }: Target) {
+    let h = model.step;
     for (i, spring) in model.springs.iter().enumerate() {
         if !spring_acts(state, spring) {
             continue;
@@ -123,22 +155,18 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
             // Explicit in position (symplectic, no numerical damping) while h²k/m is small, implicit beyond.
             let response = masses.response(&row);
             let theta = if h * h * k * response < 1.0 { 0.0 } else { 1.0 };
-            let tension = spring.tension(row.psi, end);
+            let tension = spring.tension(row.psi, state.time + h);
             let damping = c + theta * h * k;
             if damping > 0.0 {
                 // λ = −h (tension + damping u), or u + λ/(h damping) + tension/damping = 0.
                 joints.rows.push(Row { softness: 1.0 / (h * damping), ..row });
+                joints.kept.push(0.0);
                 joints.bias.push(tension / damping);
             } else {
                 masses.apply_row_impulse(free, &row, -h * tension);
             }
         }
     }
-    // At the start no force is known.
-    if is_stiff || state.steps == 0 {
-        follow((model, state, &frames), &mut stiffness, start, Target { masses, free, joints });
-    }
-    (joints.is_light, joints.is_stiff) = (stiffness.is_light, is_stiff);
 }
 
 /// Let the stiffness follow the forces of the step itself, as they are without contacts.

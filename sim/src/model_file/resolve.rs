@@ -272,6 +272,7 @@ impl<'a> Builder<'a> {
             name: file.name.clone(),
             gravity: file.gravity.into(),
             step: file.step,
+            part: 1.0,
             duration: file.whole_duration(),
             frame_rate: file.frame_rate,
             seed: file.seed,

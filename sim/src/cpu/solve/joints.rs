@@ -35,6 +35,10 @@ pub struct Joints {
     pub rows: Vec<Row>,
     /// `Ψ/h + ∂Ψ/∂t` and the terms of springs, m/s or rad/s (n_rows).
     pub bias: Vec<f64>,
+    /// What part of a whole step the step is: rigid rows give way by as much as in that.
+    pub part: f64,
+    /// What the step leaves of Ψ, m or rad (n_rows).
+    pub kept: Vec<f64>,
     /// Whether their bodies are light links under heavy loads.
     pub is_light: bool,
     /// Whether geometric stiffness acts on their bodies.
@@ -90,6 +94,8 @@ struct Pattern {
     row: Vec<u32>,
     /// The moving bodies that have rows, ascending.
     held: Vec<u32>,
+    /// The mechanism of each of these: bodies that rows connect have the same number (n_held).
+    mechanism: Vec<u32>,
     /// Hubs, whose velocities are groups too, after those of the rows.
     hubs: Vec<u32>,
     /// Parts of S: their bodies and groups.
@@ -150,13 +156,13 @@ impl Joints {
 
     /// Find the compliance of the rows. Returns the greatest diagonal of S without it, 1/kg or 1/(kg m²).
     fn find_softness(&mut self, masses: &Masses) -> f64 {
-        let Joints { rows, softness, .. } = self;
+        let Joints { rows, softness, part, .. } = self;
         softness.clear();
         let mut largest = f64::MIN_POSITIVE;
         for row in &*rows {
             let diagonal = masses.response(row).max(f64::MIN_POSITIVE);
             largest = diagonal.max(largest);
-            softness.push((REGULARIZATION * diagonal).max(row.softness));
+            softness.push((REGULARIZATION / *part * diagonal).max(row.softness));
         }
         largest
     }
@@ -248,6 +254,11 @@ impl Joints {
     /// The bodies with rows that move, ascending.
     pub fn held(&self) -> &[u32] {
         &self.pattern.held
+    }
+
+    /// The mechanism of each of these bodies: those that rows connect, below the number of bodies.
+    pub fn mechanisms(&self) -> &[u32] {
+        &self.pattern.mechanism
     }
 
     /// Discard the sparsity pattern: other bodies move.
@@ -378,6 +389,7 @@ impl Pattern {
         hubs.sort_unstable();
         self.hubs = hubs.iter().take(MOST_HUBS).map(|(_, body)| *body).collect();
         self.held.dedup();
+        self.mechanism = mechanisms(&self.held, &self.groups);
         let n = self.groups.len() as u32;
         let hub = |body: u32| self.hubs.iter().position(|h| *h == body).map(|h| n + h as u32);
         let mut of_body: std::collections::BTreeMap<u32, Vec<u32>> = Default::default();
@@ -445,6 +457,25 @@ impl Pattern {
             }
         }
     }
+}
+
+/// A number for each of `bodies`, which are ascending, that those have in common which `groups` connect: the index of the first of them.
+fn mechanisms(bodies: &[u32], groups: &[[u32; 2]]) -> Vec<u32> {
+    let mut of: Vec<u32> = (0..bodies.len() as u32).collect();
+    let first = |of: &mut [u32], body: u32| {
+        let mut at = bodies.binary_search(&body).expect("a body with rows") as u32;
+        while of[at as usize] != at {
+            of[at as usize] = of[of[at as usize] as usize];
+            at = of[at as usize];
+        }
+        at
+    };
+    for [a, b] in groups.iter().filter(|group| !group.contains(&NONE)) {
+        let [a, b] = [*a, *b].map(|body| first(&mut of, body));
+        of[a.max(b) as usize] = a.min(b);
+    }
+    (0..of.len()).for_each(|k| of[k] = of[of[k] as usize]);
+    of
 }
 
 /// Subtract a hub's mass matrix from the rows of its velocities.
