@@ -132,6 +132,38 @@ fn of_surfaces_in_one_plane_the_first_is_seen_and_an_area_light_before_it() {
     assert!(n > 5_000, "{n}");
 }
 
+/// A ribbon has its width where it bends, too, by half a circle in one segment: what it covers is its length times that.
+#[test]
+fn cubic_curves_have_their_width_where_they_bend() {
+    let arch = [[-0.6f32, -0.8], [-0.6, 1.2], [0.6, 1.2], [0.6, -0.8]];
+    let wave = [[-0.8f32, -0.8], [-0.8, 0.9], [0.8, -0.9], [0.8, 0.8]];
+    let bow = [[-0.8f32, 0.0], [-0.3, 0.6], [0.3, 0.6], [0.8, 0.0]];
+    for control in [arch, wave, bow] {
+        let at = |t: f32| {
+            let s = 1.0 - t;
+            let weights = [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t];
+            [0, 1].map(|c| (0..4).map(|k| weights[k] * control[k][c]).sum::<f32>())
+        };
+        let step = |k: usize| {
+            let [a, b] = [at(k as f32 / 1000.0), at((k + 1) as f32 / 1000.0)];
+            (b[0] - a[0]).hypot(b[1] - a[1])
+        };
+        let length: f32 = (0..1000).map(step).sum();
+        let points: Vec<String> = control.iter().map(|[x, y]| format!("{x} {y} 0")).collect();
+        let points = points.join(" ");
+        for width in [0.05, 0.2] {
+            let image = render(
+                ORTHO,
+                &format!(
+                    "Surface \"constant\" Curves \"cubic\" [4] \"nonperiodic\" \"P\" [{points}] \"constantwidth\" [{width}]"
+                ),
+            );
+            let (area, expected) = (image.coverage() / 1600.0, width * length);
+            assert!((area / expected - 1.0).abs() < 0.01, "{points}, {width}: {area}, expected {expected}");
+        }
+    }
+}
+
 /// A ribbon that bends covers what its segments measure, as half as much is added outside as is taken inside, and nothing twice.
 #[test]
 fn linear_curves_are_one_layer_where_they_bend() {

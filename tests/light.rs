@@ -93,7 +93,12 @@ fn light_through_two_panes_is_the_product() {
         assert!((mean(&p, 45..75, 5..75, c) - 1.0).abs() < 1e-3);
     }
     // A ball is met twice; one that is said to be opaque to light lets none through.
-    for (attribute, expected) in [("", 0.49), ("Attribute \"visibility\" \"string transmission\" \"opaque\"", 0.0)] {
+    for (attribute, expected) in [
+        ("", 0.49),
+        ("Attribute \"visibility\" \"string transmission\" \"opaque\"", 0.0),
+        ("Attribute \"visibility\" \"transmission\" [\"opaque\"]", 0.0),
+        ("Attribute \"visibility\" \"transmission\" [0]", 1.0),
+    ] {
         let ball = format!(
             "AttributeBegin Attribute \"visibility\" \"int camera\" 0 {attribute} Opacity .3 .3 .3 Translate 0 0 -2 Sphere 0.5 -0.5 0.5 360 AttributeEnd"
         );

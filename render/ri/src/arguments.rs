@@ -4,7 +4,7 @@
 
 use crate::conditions::Conditions;
 use crate::lexer::{Lexer, Mark, Token};
-use crate::params::{Declarations, Param, Params, Type, Values};
+use crate::params::{Class, Declarations, Param, Params, Type, Values, declaration_in};
 use crate::requests::Request;
 use crate::ri::Fail;
 use crate::standing::Standing;
@@ -349,31 +349,21 @@ impl<'a> Arguments<'a> {
     /// The parameter list that ends a request.
     #[inline(always)]
     pub(crate) fn params(&mut self) -> Result<Params, Fail> {
-        if self.request_follows() { Ok(Vec::new()) } else { self.parameters() }
+        self.params_of("")
     }
 
-    fn parameters(&mut self) -> Result<Params, Fail> {
+    /// The parameter list of an option or an attribute, which may have names of its group ([`declaration_in`]).
+    #[inline(always)]
+    pub(crate) fn params_of(&mut self, group: &str) -> Result<Params, Fail> {
+        if self.request_follows() { Ok(Vec::new()) } else { self.parameters(group) }
+    }
+
+    fn parameters(&mut self, group: &str) -> Result<Params, Fail> {
         let mut params: Params = Vec::new();
         while self.has_text()? {
             let place = self.peeked.as_ref().map(|(_, place)| *place);
             let token = self.text()?;
-            let decl = self.known.declarations.resolve(&token);
-            let decl = decl.map_err(|message| {
-                self.at_fault = place;
-                Fail::new(message)
-            })?;
-            let Some(decl) = decl else {
-                // What is not declared is read over, as the specification asks.
-                let ty = if self.pass_value()? { "string" } else { "float" };
-                let message = self.undeclared(&token, ty);
-                self.warn(&format!("parameter {token}"), &message);
-                continue;
-            };
-            let values = if decl.ty == Type::String {
-                Values::Strings(self.texts()?)
-            } else {
-                Values::Floats(self.colours_of(decl.ty)?)
-            };
+            let Some(Param { decl, values }) = self.parameter(group, token, place)? else { continue };
             let n = match &values {
                 Values::Floats(v) => v.len(),
                 Values::Strings(v) => v.len(),
@@ -388,6 +378,50 @@ impl<'a> Arguments<'a> {
             params.push(Param { decl, values });
         }
         Ok(params)
+    }
+
+    /// A parameter by its token; none if that is not declared.
+    fn parameter(&mut self, group: &str, token: String, place: Option<Spot>) -> Result<Option<Param>, Fail> {
+        let decl = self.known.declarations.resolve(&token).map_err(|message| {
+            self.at_fault = place;
+            Fail::new(message)
+        })?;
+        if decl.is_none() && [group, &token] == ["visibility", "transmission"] {
+            return self.number_or_text(&token).map(Some);
+        }
+        let Some(decl) = decl.or_else(|| declaration_in(group, &token)) else {
+            // What is not declared is read over, as the specification asks.
+            let ty = if self.pass_value()? { "string" } else { "float" };
+            let message = self.undeclared(&token, ty);
+            self.warn(&format!("parameter {token}"), &message);
+            return Ok(None);
+        };
+        let values = if decl.ty == Type::String {
+            Values::Strings(self.texts()?)
+        } else {
+            Values::Floats(self.colours_of(decl.ty)?)
+        };
+        Ok(Some(Param { decl, values }))
+    }
+
+    /// The value of a parameter that is a number or a text.
+    fn number_or_text(&mut self, name: &str) -> Result<Param, Fail> {
+        let is_listed = matches!(self.peek()?, Some(Token::Open));
+        if is_listed {
+            self.peeked = None;
+        }
+        let param = match self.peek()? {
+            Some(Token::Text(_)) => Param::string(name, &self.text()?),
+            Some(Token::Number(_)) => Param::floats(name, Class::Uniform, Type::Float, [self.number()?]),
+            Some(Token::Numbers(_)) => Param::floats(name, Class::Uniform, Type::Float, self.floats()?),
+            _ => return self.expected("a number or a string"),
+        };
+        match self.peek()? {
+            Some(Token::Close) if is_listed => self.peeked = None,
+            _ if is_listed => return self.expected("`]`"),
+            _ => {}
+        }
+        Ok(param)
     }
 
     fn one_or_more(&mut self) -> Result<Vec<f32>, Fail> {

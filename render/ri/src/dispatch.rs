@@ -48,6 +48,10 @@ macro_rules! read {
         let (name, $params) = $from.setting()?;
         let $name = &name;
     };
+    ($from:ident, grouped ($name:ident: $name_ty:ty, $params:ident: $params_ty:ty)) => {
+        let (name, $params) = $from.grouped()?;
+        let $name = &name;
+    };
     ($from:ident, text ($arg:ident: $ty:ty)) => {
         let $arg = &$from.text()?;
     };

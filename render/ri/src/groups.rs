@@ -19,9 +19,16 @@ impl Arguments<'_> {
         Ok(number)
     }
 
+    /// A group's name and its parameters.
+    pub(crate) fn grouped(&mut self) -> Result<(String, Params), Fail> {
+        let group = self.text()?;
+        let params = self.params_of(&group)?;
+        Ok((group, params))
+    }
+
     /// An option's name and parameters, which conditions may ask for.
     pub(crate) fn setting(&mut self) -> Result<(String, Params), Fail> {
-        let (name, params) = (self.text()?, self.params()?);
+        let (name, params) = self.grouped()?;
         for param in &params {
             self.known.conditions.set(&format!("{name}:{}", param.decl.name), param.values.clone());
         }

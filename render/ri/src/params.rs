@@ -171,6 +171,26 @@ impl Param {
 /// A parameter list.
 pub type Params = Vec<Param>;
 
+/// Parameters that options and attributes of a group have without a declaration, with the type of each.
+const SETTINGS: [(&str, &str, &str); 9] = [
+    ("shape", "kind", "float"),
+    ("shape", "size offset", "float[3]"),
+    ("texture", "colorspace", "string"),
+    ("sky", "sun", "vector"),
+    ("sky", "turbidity", "float"),
+    ("quality", "sky sun", "float"),
+    ("imager", "exposed", "float"),
+    ("film", "view", "float"),
+    ("film", "levels", "float[2]"),
+];
+
+/// The declaration of a parameter that the group of an option or an attribute has.
+pub(crate) fn declaration_in(group: &str, name: &str) -> Option<Declaration> {
+    let is_it = |(of, names, _): &&(&str, &str, &str)| *of == group && names.split(' ').any(|n| n == name);
+    let (.., ty) = SETTINGS.iter().find(is_it)?;
+    Some(parse_inline(&format!("{ty} {name}")).expect("a sound declaration"))
+}
+
 /// The declarations in force: the standard ones of RISpec section 3 and what `Declare` added.
 pub struct Declarations(HashMap<String, Declaration>);
 

@@ -16,6 +16,7 @@
 //! | `list "what"` | the same, written in brackets; both are read with brackets or without |
 //! | `floats` `wholes` `texts` | a bracketed list of any length |
 //! | `params` | the parameter list that ends a request |
+//! | `grouped` | a text and the parameters of the group that it names |
 //! | `declaration` `frame` `setting` | texts, a number, and text with parameters that later requests depend on |
 //! | others | groups that one request has: read in `groups.rs`, written in `line.rs` |
 //!
@@ -96,7 +97,7 @@ macro_rules! requests {
             /// set an implementation-specific option.
             Option [options] => option(setting (name: &str, params: Params));
             /// set an implementation-specific attribute.
-            Attribute [any] => attribute(text (name: &str) params (params: Params));
+            Attribute [any] => attribute(grouped (name: &str, params: Params));
             /// set the surface colour.
             Color [any] => color(colour (color: [f32; 3]));
             /// set the surface opacity.

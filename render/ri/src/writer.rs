@@ -119,6 +119,10 @@ macro_rules! append {
         $line.text($name);
         $line.params($params);
     };
+    ($to:ident, $line:ident, grouped ($name:ident, $params:ident)) => {
+        $line.text($name);
+        $line.params($params);
+    };
     ($to:ident, $line:ident, colour ($arg:ident)) => {
         $line.bracketed(|line| $arg.append(line));
     };

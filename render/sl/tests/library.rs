@@ -206,6 +206,14 @@ fn lights_have_categories_and_messages() {
     assert_eq!(body("illuminance(P) { Ci += Cl; }"), 4.0);
     assert_eq!(body("illuminance(\"key\", P) { float p = 0; lightsource(\"power\", p); Ci += p; }"), 7.0);
     assert_eq!(body("float p = 0; illuminance(\"key\", P, \"light:power\", p) { Ci += p; }"), 7.0);
+    // A loop in a loop, there or in a function, leaves the light of the outer one as it was.
+    let inner = "color inner() { color sum = 0; illuminance(P) { sum += Cl; } return sum; }";
+    for nested in ["float n = 0; illuminance(P) { n += 1; }", "color n = inner();", "color n = diffuse(N);"] {
+        let shader = format!(
+            "{inner} surface t() {{ illuminance(P) {{ color before = Cl; vector way = L; {nested} if (Cl == before && L == way) Ci += Cl; }} }}"
+        );
+        assert_eq!(ci(&shader.replace("(P)", "(point(0, 0, 0))"), lights)[0], 4.0, "{nested}");
+    }
     // The fill light gives no diffuse light, and the key light stands straight above the first point.
     assert_eq!(body("Ci = diffuse(N);"), 1.0);
 }

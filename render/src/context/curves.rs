@@ -3,8 +3,10 @@
 use crate::context::primitives::check_widths;
 use crate::context::state::Context;
 use crate::gprim::basis::BEZIER;
-use crate::gprim::curves::{self, Segment, curve, ribbon};
+use crate::gprim::curves::{self, Segment, curve, n_pieces, ribbon};
 use crate::gprim::variables::{Counts, Places, names_of, patch_variables, positions, too_few};
+use crate::scene::interpolation::cubic_part;
+use crate::scene::patch::Patch;
 use glam::Vec3;
 use ri::{Class, Fail, Param, Params, RiResult};
 
@@ -65,20 +67,27 @@ impl Context {
                     None => [1.0; 4],
                 };
                 let normals = normals.map(|n| Ok([values(n, 0)?, values(n, 1)?, values(n, 2)?])).transpose()?;
-                let facing = |p: Vec3, part: f32| match &normals {
-                    // A ribbon lies across its normals; others face the eye.
-                    Some(n) => Vec3::from_array([0, 1, 2].map(|c| n[c][(3.0 * part) as usize])),
-                    _ if perspective => eye - p,
-                    _ => -along,
-                };
                 let range = [k as f32 / count, (k + 1) as f32 / count];
-                let mut patch = ribbon(control, curve.beside(k, (cubic, periodic)), width, range, facing);
                 let varying = [ends[0], ends[0], ends[1], ends[1]];
                 // Along the curve its own basis holds, across it what is the same there stays so.
                 let bases = (BEZIER, self.geometry.bases.1);
                 let vertex = cubic.then(|| (std::array::from_fn(|k| vertices[k / 4]), &bases));
-                patch_variables(&mut patch, &own, &Places { varying, corner: varying, face, vertex })?;
-                patches.push(patch);
+                let mut whole = Patch::smooth([Vec3::ZERO; 16], [0.0, 1.0], range);
+                patch_variables(&mut whole, &own, &Places { varying, corner: varying, face, vertex })?;
+                let n = if cubic { n_pieces(control, self.motion.is_some()) } else { 1 };
+                for piece in 0..n {
+                    let part = [piece, piece + 1].map(|end| end as f32 / n as f32);
+                    let normals = normals.map(|n| n.map(|c| cubic_part(c, part)));
+                    let facing = |p: Vec3, weights: [f32; 4]| match &normals {
+                        // A ribbon lies across its normals; others face the eye.
+                        Some(n) => Vec3::from_array([0, 1, 2].map(|c| (0..4).map(|k| weights[k] * n[c][k]).sum())),
+                        _ if perspective => eye - p,
+                        _ => -along,
+                    };
+                    let (control, width) = (cubic_part(*control, part), cubic_part(width, part));
+                    let p = ribbon(&control, curve.beside(k, (cubic, periodic)), width, facing);
+                    patches.push(whole.part(p, part));
+                }
             }
             value += curve.n_varying;
         }

@@ -104,6 +104,26 @@ impl Patch {
         self.varying.iter_mut().zip(&to.varying).chain(curved).chain(normals).for_each(|(a, b)| a.blend(b, t));
     }
 
+    /// A patch of other points, with the parameters, coordinates, normals and variables of this one between two parts of v.
+    pub fn part(&self, p: [Vec3; 16], [a, b]: [f32; 2]) -> Patch {
+        let between = |corners: [[f32; 2]; 4]| {
+            let at = |u: usize, v: f32| [0, 1].map(|c| corners[u][c] + (corners[u + 2][c] - corners[u][c]) * v);
+            [at(0, a), at(1, a), at(0, b), at(1, b)]
+        };
+        Patch {
+            p,
+            uv: between(self.uv),
+            st: between(self.st),
+            curved_st: self
+                .curved_st
+                .as_deref()
+                .map(|both| Box::new([0, 1].map(|axis| both[axis].as_ref().map(|values| values.part([a, b]))))),
+            varying: self.varying.iter().map(|values| values.part([a, b])).collect(),
+            normals: self.normals.as_deref().map(|values| Box::new(values.part([a, b]))),
+            ..self.clone()
+        }
+    }
+
     /// The point at (u, v).
     pub fn at(&self, u: f32, v: f32) -> Vec3 {
         point_of(&self.p, u, v)

@@ -1,6 +1,6 @@
 //! Primitive variables: their names and types, and their values over a patch.
 
-use crate::scene::interpolation::{bernstein, bilinear};
+use crate::scene::interpolation::{bernstein, bilinear, cubic_part};
 use ri::{Declaration, Type};
 
 /// Names and types of the variables that the patches of a primitive have, in the order of their values.
@@ -57,6 +57,23 @@ impl Varying {
         if self.values.len() == to.values.len() {
             self.values.iter_mut().zip(&to.values).for_each(|(a, b)| *a += (b - *a) * t);
         }
+    }
+
+    /// Between two values of v.
+    pub fn part(&self, [a, b]: [f32; 2]) -> Varying {
+        let mut values = Vec::with_capacity(self.values.len());
+        if self.is_curved() {
+            values.resize(self.values.len(), 0.0);
+            for k in 0..4 * self.width {
+                let column = [0, 1, 2, 3].map(|j| self.values[4 * self.width * j + k]);
+                let part = cubic_part(column, [a, b]);
+                (0..4).for_each(|j| values[4 * self.width * j + k] = part[j]);
+            }
+        } else {
+            let corners = [[0.0, a], [1.0, a], [0.0, b], [1.0, b]];
+            values.extend(corners.iter().flat_map(|[u, v]| (0..self.width).map(move |c| self.at(c, *u, *v))));
+        }
+        Varying { width: self.width, values }
     }
 
     /// Numbers of a value.

@@ -147,6 +147,7 @@ const SHADERS: &[(&str, &str, &str)] = &[
     ("a loop over lights that is left, with derivatives", "", "float n = 0; illuminance(P) { n += 1 + filterwidth(s); if (n > 1 + 2 * s) break; if (t < 0.3) continue; Ci += Cl * filterwidth(t); } Ci += n;"),
     ("components by index", "", "float i = clamp(floor(3 * s), 0, 2), j = clamp(floor(3 * t), 0, 2); vector v = P; v[i] = 5; setcomp(v, j, 2); Ci = rgb(v) + comp(v, i);"),
     ("normals turned to the eye", "", "Ci = rgb(faceforward(normalize(N), I)) + rgb(faceforward(N, I, vector(s - 0.5, t, 1)));"),
+    ("lights among lights", "color inner(point p) { color sum = 0; illuminance(p) { sum += Cl; } return sum; }", "illuminance(P) { if (s > 0.3) Ci += 0.1 * inner(P); Ci += Cl * abs(normalize(L) . N); }"),
     ("derivatives among lights", "", "illuminance(P) { Ci += Cl * filterwidth(s) + Du(xcomp(L)); if (s > 0.5) Ci += filterwidth(comp(Ci, 0)); }"),
     (
         "derivatives among lights in a loop that is left",

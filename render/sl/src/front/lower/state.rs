@@ -101,6 +101,8 @@ pub(super) struct Lower<'a> {
     pub(super) directed: bool,
     /// Loops around the statement, within its function.
     pub(super) loops: usize,
+    /// Loops over lights around the statement, those around the functions that it is in too.
+    pub(super) light_loops: usize,
     /// Within a loop over lights or rays that is in no other: whether it is left from within.
     pub(super) turns: Option<bool>,
 }

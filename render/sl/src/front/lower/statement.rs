@@ -163,12 +163,32 @@ impl<'a> Lower<'a> {
             return self.push(at, Op::Illuminate { position, axis, angle, l, ps, body });
         }
         let cl = self.global(at, Global::Cl)?.triple();
-        let ([body, _], leaves) = self.turns(at, [Some(body), None])?;
+        let kept = if self.light_loops > 0 { self.keep_light(at)? } else { vec![] };
+        self.light_loops += 1;
+        let lowered = self.turns(at, [Some(body), None]);
+        self.light_loops -= 1;
+        let ([body, _], leaves) = lowered?;
         let mut wanted: Vec<(String, Reg)> =
             wanted.into_iter().map(|(n, r)| (n.trim_start_matches("light:").to_string(), r)).collect();
         let opacity = self.globals.iter().find(|(g, _)| *g == Global::Ol);
         wanted.extend(opacity.map(|(g, r)| (g.name().to_string(), *r)));
-        self.over_turns(at, leaves, Op::Illuminance { position, axis, angle, l, cl, category, wanted, body })
+        self.over_turns(at, leaves, Op::Illuminance { position, axis, angle, l, cl, category, wanted, body })?;
+        kept.into_iter().try_for_each(|(variable, value)| self.store(at, variable, value))
+    }
+
+    /// Copies of what a loop over lights sets, for the loop around it: the variables and their values.
+    fn keep_light(&mut self, at: usize) -> Result<Vec<(Value, Value)>, Error> {
+        let has_opacity = self.globals.iter().any(|(global, _)| *global == Global::Ol);
+        [Global::L, Global::Cl]
+            .into_iter()
+            .chain(has_opacity.then_some(Global::Ol))
+            .map(|global| {
+                let variable = self.global(at, global)?;
+                let value = Value::of(variable.ty, self.reg(at, variable.ty)?, true);
+                self.store(at, value, variable)?;
+                Ok((variable, value))
+            })
+            .collect()
     }
 
     /// The bodies of a loop over lights or rays, and whether they leave it or go on with its next turn. By the specification `break` and

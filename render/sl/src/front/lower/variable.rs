@@ -90,7 +90,10 @@ impl<'a> Lower<'a> {
 
     pub(super) fn copy_array(&mut self, at: usize, to: Value, from: Value) -> Result<(), Error> {
         if to.array != from.array || to.ty != from.ty {
-            let show = |v: Value| format!("{}[{}]", v.ty.name(), v.array);
+            let show = |v: Value| match v.array {
+                0 => v.ty.name().to_string(),
+                n => format!("{}[{n}]", v.ty.name()),
+            };
             return error(at, format!("expected {}, found {}", show(to), show(from)));
         }
         (0..to.array).try_for_each(|k| self.store(at, to.element(k), from.element(k)))
