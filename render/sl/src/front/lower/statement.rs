@@ -162,8 +162,8 @@ impl<'a> Lower<'a> {
             let (body, ()) = self.block(|l| l.scoped(std::slice::from_ref(body)))?;
             return self.push(at, Op::Illuminate { position, axis, angle, l, ps, body });
         }
-        let cl = self.global(at, Global::Cl)?.triple();
-        let kept = if self.light_loops > 0 { self.keep_light(at)? } else { vec![] };
+        let outer = if self.light_loops > 0 { self.own_light(at)? } else { vec![] };
+        let [l, cl] = [self.global(at, Global::L)?, self.global(at, Global::Cl)?].map(Value::triple);
         self.light_loops += 1;
         let lowered = self.turns(at, [Some(body), None]);
         self.light_loops -= 1;
@@ -172,23 +172,24 @@ impl<'a> Lower<'a> {
             wanted.into_iter().map(|(n, r)| (n.trim_start_matches("light:").to_string(), r)).collect();
         let opacity = self.globals.iter().find(|(g, _)| *g == Global::Ol);
         wanted.extend(opacity.map(|(g, r)| (g.name().to_string(), *r)));
-        self.over_turns(at, leaves, Op::Illuminance { position, axis, angle, l, cl, category, wanted, body })?;
-        kept.into_iter().try_for_each(|(variable, value)| self.store(at, variable, value))
+        outer.into_iter().for_each(|(k, reg)| self.globals[k].1 = reg);
+        self.over_turns(at, leaves, Op::Illuminance { position, axis, angle, l, cl, category, wanted, body })
     }
 
-    /// Copies of what a loop over lights sets, for the loop around it: the variables and their values.
-    fn keep_light(&mut self, at: usize) -> Result<Vec<(Value, Value)>, Error> {
-        let has_opacity = self.globals.iter().any(|(global, _)| *global == Global::Ol);
-        [Global::L, Global::Cl]
-            .into_iter()
-            .chain(has_opacity.then_some(Global::Ol))
-            .map(|global| {
-                let variable = self.global(at, global)?;
-                let value = Value::of(variable.ty, self.reg(at, variable.ty)?, true);
-                self.store(at, value, variable)?;
-                Ok((variable, value))
-            })
-            .collect()
+    /// Have a loop over lights within another set registers of its own, so that the other's light stays as it is. Returns the places of the variables
+    /// among the globals, and their registers in the other.
+    fn own_light(&mut self, at: usize) -> Result<Vec<(usize, Reg)>, Error> {
+        let is_set = |global: Global| matches!(global, Global::L | Global::Cl | Global::Ol);
+        let places: Vec<usize> = (0..self.globals.len()).filter(|k| is_set(self.globals[*k].0)).collect();
+        let own = |k: usize| {
+            let ty = Ty::from(self.globals[k].0.kind());
+            let own = Value::of(ty, self.reg(at, ty)?, true);
+            let zero = self.constant(at, 0.0)?;
+            let zero = self.convert(at, zero, ty)?;
+            self.store(at, own, zero)?;
+            Ok((k, std::mem::replace(&mut self.globals[k].1, own.reg())))
+        };
+        places.into_iter().map(own).collect()
     }
 
     /// The bodies of a loop over lights or rays, and whether they leave it or go on with its next turn. By the specification `break` and
