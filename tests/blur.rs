@@ -210,3 +210,19 @@ fn what_moves_through_the_camera_comes_to_an_end() {
     let said = scree(&["render", path.to_str().unwrap()]).fails(3);
     assert!(said.contains("t.rib:4:1") && said.contains("2 times"), "{said}");
 }
+
+/// A lens spreads what it sees, and adds nothing: a ball of 7 pixels far out of focus, diced coarsely, covers its disk.
+#[test]
+fn a_small_ball_out_of_focus_covers_as_much_as_in_focus() {
+    for x in [0.0, 0.11, 0.31] {
+        let covered = |lens: &str| {
+            let camera = format!(
+                "Format 200 200 1 PixelSamples 8 8 PixelFilter \"box\" 1 1 {lens} Projection \"perspective\" \"fov\" [20]"
+            );
+            let ball = format!("Surface \"constant\" Translate {x} 0.03 4 Sphere 0.05 -0.05 0.05 360");
+            render_with(&[], &camera, &ball).coverage()
+        };
+        let [sharp, blurred] = [covered(""), covered("DepthOfField 0.5 0.2 2")];
+        assert!((blurred / sharp - 1.0).abs() < 0.025, "at {x}: {blurred}, {sharp} in focus");
+    }
+}

@@ -30,9 +30,10 @@ impl Context {
                 .to_camera
                 .ok_or(Fail::new("`Curves` stands outside the world, expected between WorldBegin and WorldEnd"))?
                 .inverse();
-        let eye = to_eye.transform_point3(Vec3::ZERO);
-        let along = to_eye.transform_vector3(Vec3::Z);
-        let perspective = self.options.fov.is_some();
+        let eye = match self.options.fov {
+            Some(_) => Eye::At(to_eye.transform_point3(Vec3::ZERO)),
+            None => Eye::Along(to_eye.transform_vector3(Vec3::Z)),
+        };
         let is_own = |p: &&Param| !matches!(p.decl.name.as_str(), "N" | "width" | "constantwidth");
         let own: Params = params.iter().filter(is_own).cloned().collect();
         let (mut at, mut value) = (0, 0);
@@ -75,19 +76,8 @@ impl Context {
                 let mut whole = Patch::smooth([Vec3::ZERO; 16], [0.0, 1.0], range);
                 patch_variables(&mut whole, &own, &Places { varying, corner: varying, face, vertex })?;
                 let n = if cubic { n_pieces(control, self.motion.is_some()) } else { 1 };
-                for piece in 0..n {
-                    let part = [piece, piece + 1].map(|end| end as f32 / n as f32);
-                    let normals = normals.map(|n| n.map(|c| cubic_part(c, part)));
-                    let facing = |p: Vec3, weights: [f32; 4]| match &normals {
-                        // A ribbon lies across its normals; others face the eye.
-                        Some(n) => Vec3::from_array([0, 1, 2].map(|c| (0..4).map(|k| weights[k] * n[c][k]).sum())),
-                        _ if perspective => eye - p,
-                        _ => -along,
-                    };
-                    let (control, width) = (cubic_part(*control, part), cubic_part(width, part));
-                    let p = ribbon(&control, curve.beside(k, (cubic, periodic)), width, facing);
-                    patches.push(whole.part(p, part));
-                }
+                let ribbon = Ribbon { control, width, normals, neighbours: curve.beside(k, (cubic, periodic)), eye };
+                patches.extend(ribbon.pieces(n, &whole));
             }
             value += curve.n_varying;
         }
@@ -97,5 +87,40 @@ impl Context {
             self.scene.warn(format!("\"P\" has {n} points, and the curves {at} vertices: those beyond are not used"));
         }
         self.add_patches(patches, names_of(&own))
+    }
+}
+
+/// Where the camera is, in object space, m: at a point, or beyond all along a direction.
+#[derive(Clone, Copy)]
+enum Eye {
+    At(Vec3),
+    Along(Vec3),
+}
+
+/// A segment of a curve that becomes a ribbon.
+struct Ribbon<'a> {
+    control: &'a [Vec3; 4],
+    /// Widths and components of the normals at its control points.
+    width: [f32; 4],
+    normals: Option<[[f32; 4]; 3]>,
+    neighbours: [Option<Vec3>; 2],
+    eye: Eye,
+}
+
+impl Ribbon<'_> {
+    /// Its patches, `n` pieces, with the values that `whole` has there.
+    fn pieces(&self, n: usize, whole: &Patch) -> impl Iterator<Item = Patch> {
+        (0..n).map(move |piece| {
+            let part = [piece, piece + 1].map(|end| end as f32 / n as f32);
+            let normals = self.normals.map(|normals| normals.map(|c| cubic_part(c, part)));
+            let facing = |p: Vec3, weights: [f32; 4]| match (&normals, self.eye) {
+                // A ribbon lies across its normals; others face the eye.
+                (Some(n), _) => Vec3::from_array([0, 1, 2].map(|c| (0..4).map(|k| weights[k] * n[c][k]).sum())),
+                (None, Eye::At(eye)) => eye - p,
+                (None, Eye::Along(along)) => -along,
+            };
+            let (control, width) = (cubic_part(*self.control, part), cubic_part(self.width, part));
+            whole.part(ribbon(&control, self.neighbours, width, facing), part)
+        })
     }
 }

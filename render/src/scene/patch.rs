@@ -106,8 +106,11 @@ impl Patch {
 
     /// A patch of other points, with the parameters, coordinates, normals and variables of this one between two parts of v.
     pub fn part(&self, p: [Vec3; 16], [a, b]: [f32; 2]) -> Patch {
+        if [a, b] == [0.0, 1.0] {
+            return Patch { p, ..self.clone() };
+        }
         let between = |corners: [[f32; 2]; 4]| {
-            let at = |u: usize, v: f32| [0, 1].map(|c| corners[u][c] + (corners[u + 2][c] - corners[u][c]) * v);
+            let at = |u: usize, v: f32| [0, 1].map(|c| corners[u][c] * (1.0 - v) + corners[u + 2][c] * v);
             [at(0, a), at(1, a), at(0, b), at(1, b)]
         };
         Patch {

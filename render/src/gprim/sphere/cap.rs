@@ -96,9 +96,7 @@ impl Cap {
     ) {
         (grid.apron, grid.keep, grid.reach, grid.origin) = (self.apron, [u32::MAX; 4], sphere.reach, None);
         let half = self.half();
-        // The outline has eight sides a ring.
-        let delta = 0.25 * std::f32::consts::PI / self.outline.0 as f32;
-        sphere.linear *= 1.0 / (1.0 - delta * delta / 6.0).sqrt();
+        sphere.linear *= 1.0 / self.covered().sqrt();
         let tiles = (2 * half).div_ceil(TILE);
         let range = |k: usize| [k * 2 * half / tiles, (k + 1) * 2 * half / tiles];
         let mut alike = None;
@@ -124,6 +122,18 @@ impl Cap {
             self.dice_tile(subject, &sphere, i, j, scratch, grid);
             sink.take(grid);
         }
+    }
+
+    /// The part of the disk that is covered: a ring has eight sides for each that is within it, whose chords cut something off. One that reaches
+    /// round the outline has more of them, and is seen from there as well, if little smaller.
+    fn covered(&self) -> f32 {
+        let (outline, [cos, sin]) = (self.outline.0, self.rings[self.outline.0]);
+        let of_ring = |k: usize| {
+            let delta = 0.25 * std::f32::consts::PI / k as f32;
+            let round = self.rings[k][0] * cos + self.rings[k][1] * sin;
+            (1.0 - delta * delta / 6.0) * round * round
+        };
+        (outline..=self.half()).map(of_ring).fold(0.0, f32::max)
     }
 
     /// What its tiles have alike.
