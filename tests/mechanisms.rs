@@ -404,8 +404,8 @@ fn a_taut_bridge_gains_nothing_by_what_falls_on_it() {
             parts = parts.max(report.parts);
             let energy = sim.state.kinetic_energy(&sim.model) + sim.state.potential_energy(&sim.model);
             least = energy.min(least);
-            // A fifth of the 117 J of the impact, within which energy is least.
-            assert!(energy < least + 23.0, "{settings}{sag}, {} s: {energy} J after {least} J", sim.state.time);
+            // A quarter of the 117 J of the impact, within which energy is least.
+            assert!(energy < least + 30.0, "{settings}{sag}, {} s: {energy} J after {least} J", sim.state.time);
         }
     }
     assert!(parts > 1, "in {parts} parts");

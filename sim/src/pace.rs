@@ -73,10 +73,10 @@ const BENT: f64 = 0.01;
 /// The same of which bodies feel nothing at any point of a turn, as wheels on their axles.
 const EVEN: f64 = 1e-4;
 
-/// [`Bend::strain`] from which on a step is too long, however little turns: taut bridges and chains, whose links turn by the angle that they hang
-/// through. Where no solution was found nothing holds what is left, and less is too much; what a part is expected to have.
-const STRAIN: f64 = 0.1;
-const STRAIN_WHERE_LOST: f64 = 0.01;
+/// [`Bend::strain`] from which on a step without a solution is too long where bodies turn by so much, rad: taut bridges and chains, whose links turn
+/// by the angle that they hang through. What a part is expected to have.
+const STRAIN: f64 = 0.01;
+const STRAINED: f64 = 2e-3;
 const STRAIN_OF_PART: f64 = 0.05;
 
 /// What a step is too long for, where bodies turn by [`TURNED`].
@@ -98,9 +98,8 @@ const GROWN: Coarse = Coarse { bent: 0.03, change: 0.003 };
 impl Coarse {
     /// Whether a step is too long for what its joints bend.
     pub fn is_too_long(&self, bend: &Bend) -> bool {
-        let strain = if bend.is_lost { STRAIN_WHERE_LOST } else { STRAIN };
         let is_bent = bend.change > self.change || bend.bent > self.bent || bend.is_lost;
-        bend.strain > strain || bend.is_felt() && is_bent
+        bend.is_felt() && is_bent || bend.is_lost && bend.strain > STRAIN && bend.turn > STRAINED
     }
 }
 
@@ -125,7 +124,8 @@ impl Pace {
         };
         let turned = turned + f64::from(parts) * bend.turn;
         let twice = bend.over_twice_the_time();
-        let is_still = (twice.turn < TURNED || twice.bent < EVEN) && twice.strain < STRAIN;
+        let is_still =
+            (twice.turn < TURNED || twice.bent < EVEN) && (twice.turn < STRAINED || twice.strain < STRAIN_OF_PART);
         let is_calm = turned > TAU && !GROWN.is_too_long(&since.over_twice_the_time());
         match parts > 1 && (is_still || is_calm) {
             true => Pace { parts: parts / 2, ..Pace::default() },
