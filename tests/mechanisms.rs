@@ -108,11 +108,13 @@ fn chains_let_go_level_keep_their_energy_and_their_joints() {
 /// radian was torn.
 #[test]
 fn a_slider_crank_keeps_its_energy() {
-    for (step, speed) in [(1e-3, 100.0), (1.8e-3, 100.0), (1e-3, 250.0), (1e-3, 600.0), (1e-3, 1000.0)] {
+    // At 600 rad/s a part finds no solution once in a thousand turns: its gap is made good within a few steps.
+    for (step, speed, gap) in
+        [(1e-3, 100.0, 1e-6), (1.8e-3, 100.0, 1e-6), (1e-3, 250.0, 1e-6), (1e-3, 600.0, 1e-4), (1e-3, 1000.0, 1e-6)]
+    {
         let (_, seen) = watched(&slider_crank(&format!("step: {step}\n"), speed, false), 5.0);
         assert!(seen.gained().abs() < 0.01, "{step} s, {speed} rad/s: {} of the kinetic energy", seen.gained());
-        // Once in a thousand turns a part finds no solution: its gap is made good within a few steps.
-        assert!(seen.gap < 1e-4, "{step} s: {} m", seen.gap);
+        assert!(seen.gap < gap, "{step} s: {} m", seen.gap);
     }
 }
 

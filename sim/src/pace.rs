@@ -41,10 +41,10 @@ impl Bend {
 
     /// The parts in which a step that is too long is expected to be short enough: what bends goes with the length, what changes with its square.
     pub fn parts(&self) -> u32 {
-        let by_strain = (self.strain / STRAIN_OF_PART).sqrt();
-        let ratio = (self.bent / IN_PART.bent).max((self.change / IN_PART.change).sqrt()).max(by_strain);
-        let ratio = if self.is_lost { by_strain } else { ratio };
-        let parts = ratio.clamp(2.0, f64::from(MOST));
+        // Without a solution the bend is not known.
+        let by_bend = (self.bent / IN_PART.bent).max((self.change / IN_PART.change).sqrt());
+        let by_bend = if self.is_lost { 0.0 } else { by_bend };
+        let parts = by_bend.max((self.strain / STRAIN_OF_PART).sqrt()).clamp(2.0, f64::from(MOST));
         (parts.ceil() as u32).next_power_of_two()
     }
 

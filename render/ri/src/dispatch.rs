@@ -44,14 +44,6 @@ macro_rules! read {
     ($from:ident, declaration ($name:ident: $name_ty:ty, $declaration:ident: $declaration_ty:ty)) => {
         let ($name, $declaration) = &$from.declaration()?;
     };
-    ($from:ident, setting ($name:ident: $name_ty:ty, $params:ident: $params_ty:ty)) => {
-        let (name, $params) = $from.setting()?;
-        let $name = &name;
-    };
-    ($from:ident, grouped ($name:ident: $name_ty:ty, $params:ident: $params_ty:ty)) => {
-        let (name, $params) = $from.grouped()?;
-        let $name = &name;
-    };
     ($from:ident, text ($arg:ident: $ty:ty)) => {
         let $arg = &$from.text()?;
     };
@@ -64,6 +56,10 @@ macro_rules! read {
     };
     ($from:ident, colour_samples ($to_rgb:ident: $to_ty:ty, $from_rgb:ident: $from_ty:ty)) => {
         let ($to_rgb, $from_rgb) = $from.colour_samples()?;
+    };
+    ($from:ident, $kind:ident ($name:ident: $name_ty:ty, $params:ident: $params_ty:ty)) => {
+        let (name, $params) = $from.$kind()?;
+        let $name = &name;
     };
     ($from:ident, $kind:ident ($arg:ident: $ty:ty)) => {
         let $arg = $from.$kind()?;

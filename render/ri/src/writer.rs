@@ -115,14 +115,6 @@ macro_rules! append {
     ($to:ident, $line:ident, declaration ($($arg:ident),+)) => {
         $($line.text($arg);)+
     };
-    ($to:ident, $line:ident, setting ($name:ident, $params:ident)) => {
-        $line.text($name);
-        $line.params($params);
-    };
-    ($to:ident, $line:ident, grouped ($name:ident, $params:ident)) => {
-        $line.text($name);
-        $line.params($params);
-    };
     ($to:ident, $line:ident, colour ($arg:ident)) => {
         $line.bracketed(|line| $arg.append(line));
     };
@@ -131,6 +123,10 @@ macro_rules! append {
     };
     ($to:ident, $line:ident, handle ($arg:ident)) => {
         $line.word(&$to.handle_number($arg));
+    };
+    ($to:ident, $line:ident, $kind:ident ($name:ident, $params:ident)) => {
+        $line.text($name);
+        $line.params($params);
     };
     ($to:ident, $line:ident, $kind:ident ($arg:ident)) => {
         $line.$kind($arg);

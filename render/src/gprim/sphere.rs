@@ -13,7 +13,7 @@ use crate::gprim::bound::displacement_reach;
 use crate::gprim::grid::{Grid, Sink, Subject};
 use crate::gprim::quadric::whole_sphere;
 use crate::gprim::sphere::cap::{Cap, Scratch};
-use crate::gprim::sphere::lattice::{LatticeSphere, TILE, eye_in_lattice, fill};
+use crate::gprim::sphere::lattice::{LatticeSphere, TILE, eye_in_lattice, fill, under_chords};
 use crate::gprim::split::{self, Queue, coarsening};
 use crate::scene::motion::Instant;
 use glam::{Mat3, Vec3};
@@ -82,10 +82,9 @@ pub fn dice(subject: &Subject<'_>, scratch: &mut Scratch, queue: &mut Queue, gri
     let sign = linear.determinant().signum();
     // An even sphere is diced along the world's axes: its turn moves nothing but the pattern, which reads object space.
     let n = (lines as usize).max(2);
-    // Chords cut a part δ²/6 off a circle's area, δ the angle of one: the lattice is that much wider, so that small spheres
-    // cover what they should.
+    // The lattice is wider by what chords cut off, so that small spheres cover what they should.
     let delta = std::f32::consts::FRAC_PI_2 / n as f32;
-    let swell = 1.0 / (1.0 - delta * delta / 6.0).sqrt();
+    let swell = 1.0 / under_chords(delta).sqrt();
     let sphere = LatticeSphere {
         center,
         linear: (if even { Mat3::from_diagonal(Vec3::splat(x)) } else { linear }) * swell,

@@ -10,6 +10,7 @@ use crate::gprim::grid::{Grid, Origin, Sink, Subject};
 use crate::gprim::patch::{Piece, dice};
 use crate::gprim::quadric::whole_sphere;
 use crate::scene::camera::Camera;
+use crate::scene::interpolation::cubic_part;
 use crate::scene::motion::{Instant, later};
 use crate::scene::patch::Patch;
 use crate::scene::shape::Shape;
@@ -501,26 +502,12 @@ fn path(p: &[Vec3; 4]) -> f32 {
 fn sub_patch(p: &[Vec3; 16], piece: Piece) -> [Vec3; 16] {
     let mut out = *p;
     for j in 0..4 {
-        let row = sub_curve([out[4 * j], out[4 * j + 1], out[4 * j + 2], out[4 * j + 3]], piece.u);
+        let row = cubic_part([out[4 * j], out[4 * j + 1], out[4 * j + 2], out[4 * j + 3]], piece.u);
         out[4 * j..4 * j + 4].copy_from_slice(&row);
     }
     for i in 0..4 {
-        let column = sub_curve([out[i], out[4 + i], out[8 + i], out[12 + i]], piece.v);
+        let column = cubic_part([out[i], out[4 + i], out[8 + i], out[12 + i]], piece.v);
         (0..4).for_each(|j| out[4 * j + i] = column[j]);
     }
     out
-}
-
-/// Bézier points of the part of a curve between two parameters: its blossom.
-fn sub_curve(p: [Vec3; 4], [a, b]: [f32; 2]) -> [Vec3; 4] {
-    let blossom = |t: [f32; 3]| {
-        let mut q = p;
-        for (level, t) in t.into_iter().enumerate() {
-            for i in 0..3 - level {
-                q[i] = q[i].lerp(q[i + 1], t);
-            }
-        }
-        q[0]
-    };
-    [blossom([a, a, a]), blossom([a, a, b]), blossom([a, b, b]), blossom([b, b, b])]
 }

@@ -25,6 +25,7 @@ pub(crate) fn bernstein_slope(t: f32) -> [f32; 4] {
 }
 
 /// The control points of a part of a cubic Bézier curve, between two of its parameters.
+#[inline]
 pub fn cubic_part<T: Copy + std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>>(
     p: [T; 4],
     [a, b]: [f32; 2],

@@ -99,6 +99,7 @@ impl Arcs {
 
     /// Let the joints hold at the end of the step with a response, with what else acts on their bodies.
     pub fn hold(&mut self, at: (&Model, &State), mut linear: Linear, response: &mut Response) {
+        // The strain without contacts and limits, where there are any, does not matter.
         (self.turn, self.bend.strain) = (0.0, 0.0);
         if bends(&linear) {
             self.bend(at, &mut linear, response);
@@ -120,8 +121,6 @@ impl Arcs {
         if first <= 1.0 {
             return;
         }
-        // What it is without contacts and limits, where there are any, does not matter.
-        self.bend.strain = 0.0;
         let strain = self.strain(at.0, linear, response);
         self.straight.copy_from(response);
         self.straight_bias.clone_from(&linear.joints.bias);

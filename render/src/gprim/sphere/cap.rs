@@ -1,7 +1,7 @@
 //! The half of a sphere that the eye sees, diced evenly as the eye sees it.
 
 use crate::gprim::grid::{Grid, Sink, Subject};
-use crate::gprim::sphere::lattice::{LatticeSphere, TILE, eye_in_lattice, fill, start};
+use crate::gprim::sphere::lattice::{LatticeSphere, TILE, eye_in_lattice, fill, start, under_chords};
 use crate::gprim::sphere::tile::{self, CapSphere, CapTile, eighth};
 use crate::scene::motion::Instant;
 use glam::Vec3;
@@ -131,7 +131,7 @@ impl Cap {
         let of_ring = |k: usize| {
             let delta = 0.25 * std::f32::consts::PI / k as f32;
             let round = self.rings[k][0] * cos + self.rings[k][1] * sin;
-            (1.0 - delta * delta / 6.0) * round * round
+            under_chords(delta) * round * round
         };
         (outline..=self.half()).map(of_ring).fold(0.0, f32::max)
     }

@@ -91,3 +91,8 @@ pub fn fill(
         view.set_coordinates(points);
     }
 }
+
+/// The part of a circle's area that is left by chords, of the angle δ each.
+pub fn under_chords(delta: f32) -> f32 {
+    1.0 - delta * delta / 6.0
+}

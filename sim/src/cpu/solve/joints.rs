@@ -16,6 +16,7 @@ use super::motors::{Motor, Motors, Wrong};
 use super::response::Response;
 use super::sparse::{self, Factor, Front, Structure};
 use crate::cpu::masses::Masses;
+use crate::disjoint_sets::DisjointSets;
 use crate::joint::Row;
 use crate::joint_factor::{Factorised, JointFactor};
 use crate::twist::Twist;
@@ -461,21 +462,10 @@ impl Pattern {
 
 /// A number for each of `bodies`, which are ascending, that those have in common which `groups` connect: the index of the first of them.
 fn mechanisms(bodies: &[u32], groups: &[[u32; 2]]) -> Vec<u32> {
-    let mut of: Vec<u32> = (0..bodies.len() as u32).collect();
-    let first = |of: &mut [u32], body: u32| {
-        let mut at = bodies.binary_search(&body).expect("a body with rows") as u32;
-        while of[at as usize] != at {
-            of[at as usize] = of[of[at as usize] as usize];
-            at = of[at as usize];
-        }
-        at
-    };
-    for [a, b] in groups.iter().filter(|group| !group.contains(&NONE)) {
-        let [a, b] = [*a, *b].map(|body| first(&mut of, body));
-        of[a.max(b) as usize] = a.min(b);
-    }
-    (0..of.len()).for_each(|k| of[k] = of[of[k] as usize]);
-    of
+    let place = |body: u32| bodies.binary_search(&body).expect("a body with rows") as u32;
+    let mut sets = DisjointSets::new(bodies.len());
+    groups.iter().filter(|group| !group.contains(&NONE)).for_each(|group| sets.join(group.map(place)));
+    (0..bodies.len() as u32).map(|k| sets.of(k)).collect()
 }
 
 /// Subtract a hub's mass matrix from the rows of its velocities.

@@ -87,11 +87,7 @@ impl<'a> Lower<'a> {
         let result = if function.ret == Ty::Void {
             Value::of(Ty::Void, 0, false)
         } else {
-            let var = Value::of(function.ret, self.reg(at, function.ret)?, true);
-            let zero = if function.ret == Ty::Text { self.text(at, "")? } else { self.constant(at, 0.0)? };
-            let zero = self.convert(at, zero, function.ret)?;
-            self.store(at, var, zero)?;
-            var
+            self.empty_variable(at, function.ret)?
         };
         self.results.push(Some(result));
         let body = self.block(|l| function.body.iter().try_for_each(|s| l.statement(s)));

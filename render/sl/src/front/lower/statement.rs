@@ -183,10 +183,7 @@ impl<'a> Lower<'a> {
         let places: Vec<usize> = (0..self.globals.len()).filter(|k| is_set(self.globals[*k].0)).collect();
         let own = |k: usize| {
             let ty = Ty::from(self.globals[k].0.kind());
-            let own = Value::of(ty, self.reg(at, ty)?, true);
-            let zero = self.constant(at, 0.0)?;
-            let zero = self.convert(at, zero, ty)?;
-            self.store(at, own, zero)?;
+            let own = self.empty_variable(at, ty)?;
             Ok((k, std::mem::replace(&mut self.globals[k].1, own.reg())))
         };
         places.into_iter().map(own).collect()

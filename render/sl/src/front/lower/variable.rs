@@ -41,6 +41,15 @@ impl<'a> Lower<'a> {
         Ok(value)
     }
 
+    /// A variable without a name that may vary: 0, or an empty text.
+    pub(super) fn empty_variable(&mut self, at: usize, ty: Ty) -> Result<Value, Error> {
+        let var = Value::of(ty, self.reg(at, ty)?, true);
+        let zero = if ty == Ty::Text { self.text(at, "")? } else { self.constant(at, 0.0)? };
+        let zero = self.convert(at, zero, ty)?;
+        self.store(at, var, zero)?;
+        Ok(var)
+    }
+
     /// Store what a variable starts with.
     pub(super) fn start(&mut self, v: &Variable, var: Value) -> Result<(), Error> {
         let zero = |l: &mut Self| if v.ty == Ty::Text { l.text(v.at, "") } else { l.constant(v.at, 0.0) };
