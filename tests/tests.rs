@@ -32,6 +32,7 @@ mod language;
 mod lasting;
 mod layers;
 mod light;
+mod limits;
 mod looks;
 mod marks;
 mod mechanisms;

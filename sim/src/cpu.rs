@@ -64,7 +64,6 @@ pub struct Cpu {
     free: Vec<Twist>,
     joint_start: Vec<u32>,
     joints: Joints,
-    limits: joint_write::Limits,
     response: Response,
     displacement: Displacement,
     solver: contact_solve::Workspace,
@@ -101,15 +100,14 @@ impl Backend for Cpu {
                 let out = joint_write::Output {
                     start: &mut self.joint_start,
                     joints: &mut self.joints,
-                    limits: &mut self.limits,
                     free: &mut self.free,
                 };
                 joint_write::run(model, state, &mut self.masses, out);
             }
             Stage::ContactSolve => self.contact_solve(model, plan, state),
             Stage::Integrate => {
-                let Cpu { joint_start, joints, limits, response, outcome, .. } = self;
-                joint_write::record(model, state, (joint_start, joints), limits, response, outcome);
+                let Cpu { joint_start, joints, response, outcome, .. } = self;
+                joint_write::record(model, state, (joint_start, joints), response, outcome);
                 integrate::run(model, &self.response.twist, &self.displacement, state);
             }
         }
@@ -145,9 +143,6 @@ impl Backend for Cpu {
             Column::JointRow => View::of_rows(&self.joints.rows, row),
             Column::JointKept => View::of_f64(&self.joints.kept),
             Column::JointBias => View::of_f64(&self.joints.bias),
-            Column::Limit => View::of_rows(&self.limits.rows, row),
-            Column::LimitJoint => View::of_u32(&self.limits.joint),
-            Column::LimitImpulse => View::of_f64(&self.limits.impulse),
             Column::Motion => View::of_f64(&self.response.twist),
             Column::Displacement => View::of_f64(&self.displacement.twist),
             Column::JointImpulse => View::of_f64(&self.response.lambda),
@@ -208,7 +203,6 @@ impl Cpu {
             joints: &mut self.joints,
             joint_factor: &mut joint_factor,
             joint_start: &self.joint_start,
-            limits: &mut self.limits,
             response: &mut self.response,
             displacement: &mut self.displacement,
         };

@@ -208,6 +208,12 @@ impl Row {
         turning + self.linear.length() * (b.v - a.v).length()
     }
 
+    /// The row of -Ψ.
+    pub fn reversed(&self) -> Row {
+        let Row { bodies, linear, angular_a, angular_b, psi, rate, softness } = *self;
+        Row { bodies, linear: -linear, angular_a: -angular_a, angular_b: -angular_b, psi: -psi, rate: -rate, softness }
+    }
+
     /// dΨ/dt, m/s or rad/s, from the velocities of all bodies (n_bodies).
     #[inline]
     pub fn speed_in(&self, motion: &[Twist]) -> f64 {
@@ -419,6 +425,18 @@ impl Joint {
     pub fn beyond_limits(&self, at: f64) -> f64 {
         let limits = self.limits.filter(|_| self.locked_at().is_none());
         limits.map_or(0.0, |[lo, hi]| (lo - at).max(at - hi).max(0.0))
+    }
+
+    /// How far a coordinate is from the maximum limit, or from the minimum one; negative beyond. m or rad
+    pub fn room(&self, at: f64, is_most: bool) -> f64 {
+        let [least, most] = self.limits.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+        if is_most { most - at } else { at - least }
+    }
+
+    /// The row of a limit, Ψ the room that is left, from that of the free motion ([`Joint::free_row`]) at the coordinate `at`.
+    pub fn limit_row(&self, free: &Row, at: f64, is_most: bool) -> Row {
+        let row = if is_most { free.reversed() } else { *free };
+        Row { psi: self.room(at, is_most), ..row }
     }
 
     /// What a motor of any effort prescribes ends at the limits, which it cannot pass: it would tear the joint. With a maximum effort it presses.

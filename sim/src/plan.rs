@@ -31,10 +31,9 @@ impl Narrow {
 /// The method of a step's contact solve: sweeps for spheres alone, or a [`Method`] on general blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactMethod {
-    /// Gauss–Seidel sweeps on packed contacts, which solve either law of friction contact by contact; for steps in which no joint limit
-    /// may be met.
+    /// Gauss–Seidel sweeps on packed contacts, which solve either law of friction contact by contact.
     Sweeps,
-    /// A method on blocks of three multipliers, for any shapes, contact laws and joint limits.
+    /// A method on blocks of three multipliers, for any shapes and contact laws.
     Blocks(Method),
 }
 
@@ -44,7 +43,7 @@ pub enum ContactMethod {
 pub struct StepPlan {
     /// The narrow phase and the layout of the contact rows.
     pub narrow: Narrow,
-    /// The method of a step with contacts in which no joint limit may be met; [`StepPlan::method_with`] has that of other steps.
+    /// The method of a step with contacts; [`StepPlan::method_with`] has that of other steps.
     pub method: ContactMethod,
     /// Whether a contact law has rolling or spinning friction, so that contacts have rolling impulses.
     pub rolls: bool,
@@ -122,10 +121,9 @@ impl StepPlan {
         self.start.as_ref().map(|settings| (blocks(settings), settings))
     }
 
-    /// The method of a step with `n_contacts` contacts, in which `n_limits` joint limits may be met. Sweeps need contacts and know no
-    /// limits.
-    pub fn method_with(&self, n_contacts: usize, n_limits: usize) -> ContactMethod {
-        if n_contacts > 0 && n_limits == 0 { self.method } else { blocks(&self.settings) }
+    /// The method of a step with `n_contacts` contacts, without which there is nothing to sweep over.
+    pub fn method_with(&self, n_contacts: usize) -> ContactMethod {
+        if n_contacts > 0 { self.method } else { blocks(&self.settings) }
     }
 
     /// Whether contacts roll with friction or stick.

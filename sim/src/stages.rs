@@ -239,18 +239,12 @@ columns! {
     Tensor "tensor": [glam::DMat3; 2], Length::Found, Values::Finite, "1/(kg m²), kg m²", [Force, JointWrite] => [JointWrite, ContactSolve];
     /// First joint row of each joint, and of the implicit springs.
     JointStart "joint_start": u32, Length::JointStarts, Values::Any, "", [JointWrite] => [ContactSolve, Integrate];
-    /// Rows of joints, motors and implicit springs.
+    /// Rows of joints, motors, limits that may be met in the step, and implicit springs.
     JointRow "joint_row": Row, Length::Found, Values::Finite, "", [JointWrite] => [ContactSolve, Integrate];
     /// What the step leaves of Ψ of the joint rows.
     JointKept "joint_kept": f64, Length::As(Column::JointRow), Values::Finite, "m, rad", [JointWrite] => [ContactSolve];
     /// Bias (Ψ − kept)/h − rate of the joint rows, and the terms of springs.
     JointBias "joint_bias": f64, Length::As(Column::JointRow), Values::Finite, "m/s, rad/s", [JointWrite, ContactSolve] => [ContactSolve];
-    /// Rows of joint limits that may be met in the step.
-    Limit "limit": Row, Length::Found, Values::Finite, "", [JointWrite, ContactSolve] => [ContactSolve, Integrate];
-    /// Id of the joint of each row of a limit.
-    LimitJoint "limit_joint": u32, Length::As(Column::Limit), Values::Any, "", [JointWrite] => [ContactSolve, Integrate];
-    /// Impulses of the limits.
-    LimitImpulse "limit_impulse": f64, Length::As(Column::Limit), Values::Watched, "N s, N m s", [ContactSolve] => [Integrate];
     /// Velocities at the step's end with contacts and joints, world.
     Motion "motion": Twist, Length::Bodies, Values::Watched, "m/s, rad/s", [ContactSolve] => [Integrate];
     /// Displacements over the step size that recover overlaps, world; no rows where nothing overlaps.

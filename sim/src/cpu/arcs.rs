@@ -10,12 +10,12 @@
 //! Source: Ryckaert, Ciccotti and Berendsen, *Numerical integration of the Cartesian equations of motion of a system with constraints* (1977).
 
 use super::integrate::moved_pose;
-use super::joint_write::Limits;
 use super::masses::Masses;
 use super::solve::joints::Joints;
+use super::solve::limits::Limit;
 use super::solve::response::Response;
 use crate::inertia::gyration;
-use crate::joint::{Frames, Joint, Motor};
+use crate::joint::{Coordinate, Frames, Joint, Motor};
 use crate::model::Model;
 use crate::pace::Bend;
 use crate::pose::Pose;
@@ -69,15 +69,9 @@ pub struct Arcs {
 }
 
 impl Arcs {
-    /// Prepare the rows for contacts and limits, from the velocities `free` without these and without joints, whose response goes out: the rows'
-    /// bias is that of its arcs, and so are Ψ of the limits' rows.
-    pub fn foresee(
-        &mut self,
-        (model, state): (&Model, &State),
-        mut linear: Linear,
-        free: &[Twist],
-        (response, limits): (&mut Response, &mut Limits),
-    ) {
+    /// Prepare the rows for contacts, from the velocities `free` without these and without joints, whose response goes out: the rows' bias is that of
+    /// its arcs.
+    pub fn foresee(&mut self, at: (&Model, &State), mut linear: Linear, free: &[Twist], response: &mut Response) {
         if !bends(&linear) {
             return;
         }
@@ -85,21 +79,12 @@ impl Arcs {
         response.twist.extend_from_slice(free);
         linear.joints.reset(response);
         linear.joints.solve(linear.masses, response);
-        self.bend((model, state), &mut linear, response);
-        let Limits { rows, joint, is_most, .. } = limits;
-        for (row, (i, is_most)) in rows.iter_mut().zip(joint.iter().zip(&*is_most)) {
-            let (joint, known) = (&model.joints[*i as usize], &state.joints[*i as usize]);
-            let poses = joint.bodies.map(|b| end_pose(model, state, b as usize, response));
-            let before = joint.coordinate(&state.joint_frames(joint), known);
-            let after = joint.coordinate(&Frames::of(poses, &joint.frame_a, &joint.frame_b), known);
-            let gone = if *is_most { before - after } else { after - before };
-            row.psi += gone - model.step * row.speed_in(&response.twist);
-        }
+        self.bend(at, &mut linear, response);
     }
 
     /// Let the joints hold at the end of the step with a response, with what else acts on their bodies.
     pub fn hold(&mut self, at: (&Model, &State), mut linear: Linear, response: &mut Response) {
-        // The strain without contacts and limits, where there are any, does not matter.
+        // The strain without contacts, where there are any, does not matter.
         (self.turn, self.bend.strain) = (0.0, 0.0);
         if bends(&linear) {
             self.bend(at, &mut linear, response);
@@ -110,16 +95,32 @@ impl Arcs {
 
     /// Solve until little is left, and else let the rows be linear.
     fn bend(&mut self, at: (&Model, &State), linear: &mut Linear, response: &mut Response) {
+        let is_on_arcs = self.bend_rows(at, linear, response);
+        let (model, state) = at;
+        let Linear { joints, .. } = linear;
+        for limit in joints.limits.iter_mut() {
+            let (joint, known) = (&model.joints[limit.joint as usize], &state.joints[limit.joint as usize]);
+            let row = &joints.rows[limit.row as usize];
+            let poses = joint.bodies.map(|b| end_pose(model, state, b as usize, response));
+            let end = joint.coordinate(&Frames::of(poses, &joint.frame_a, &joint.frame_b), known);
+            let gone = joint.room(end, limit.is_most) - row.psi;
+            limit.curve = if is_on_arcs { gone / model.step - row.speed_in(&response.twist) } else { 0.0 };
+        }
+    }
+
+    /// [`Arcs::bend`] of the rows. Returns whether what holds does so on its arcs.
+    fn bend_rows(&mut self, at: (&Model, &State), linear: &mut Linear, response: &mut Response) -> bool {
         // What turns by so little stays on its rows.
         let [turn, change] = turning(at, linear, response);
         self.turn = turn;
         if turn <= LEFT {
-            return linear.joints.finish(linear.masses, response);
+            linear.joints.finish(linear.masses, response);
+            return true;
         }
         let first = self.find(at, linear, response);
         let bent = self.found.iter().fold(0.0f64, |most, [_, _, bent, _]| most.max(*bent));
         if first <= 1.0 {
-            return;
+            return true;
         }
         let strain = self.strain(at.0, linear, response);
         self.straight.copy_from(response);
@@ -149,6 +150,7 @@ impl Arcs {
                 linear.joints.finish(linear.masses, response);
             }
         }
+        !is_lost
     }
 
     /// Find the bias of the rows on the arcs of a response. Returns the greatest Ψ/h that is left of one, over what may be left.
@@ -171,20 +173,27 @@ impl Arcs {
             let mut ends = Vec::with_capacity(out.len());
             joint.rows(&frames, &state.joints[i], (state.time + h, h), &mut ends);
             let first = start[i] as usize;
+            let limits = joints.limits.of_joint(i as u32);
+            let n_own = out.len() - limits.len();
+            let rows = ends.iter().take(n_bent(joint, n_own)).map(|end| end.psi).enumerate();
+            let room = |limit: &Limit| joint.room(joint.coordinate(&frames, &state.joints[i]), limit.is_most);
+            let held = limits.iter().filter(|limit| limit.is_held);
+            let rows = rows.chain(held.map(|limit| (limit.row as usize - first, room(limit))));
+            let has_length = has_length(joint, limits);
             // Of lengths and of angles: a row along an arm has no speed by its turning.
             let [mut lefts, mut speeds] = [[0.0f64; 2]; 2];
-            for (k, (out, end)) in out.iter_mut().zip(&ends).enumerate().take(n_bent(joint, ends.len())) {
+            for (k, end) in rows {
                 let row = &joints.rows[first + k];
                 if row.psi.abs() > farthest {
                     continue;
                 }
                 let [a, b] = row.bodies.map(|b| response.twist[b as usize]);
-                let rate = (end.psi - joints.kept[first + k]) / h;
+                let rate = (end - joints.kept[first + k]) / h;
                 let left = rate + joints.given(first + k, response);
                 let speed = row.speeds(a, b);
-                let turns = joint.has_length() || a.w.length().max(b.w.length()) * h > TURNS;
+                let turns = has_length || a.w.length().max(b.w.length()) * h > TURNS;
                 let work = (left * response.lambda[first + k]).abs();
-                *out = [rate - row.speed(a, b), left.abs() / (LEFT * speed + ROUNDING), 0.0, work];
+                out[k] = [rate - row.speed(a, b), left.abs() / (LEFT * speed + ROUNDING), 0.0, work];
                 let kind = usize::from(row.linear == DVec3::ZERO);
                 if turns {
                     (lefts[kind], speeds[kind]) = (left.abs().max(lefts[kind]), speed.max(speeds[kind]));
@@ -247,6 +256,12 @@ fn n_bent(joint: &Joint, n: usize) -> usize {
     }
 }
 
+/// Whether a joint is a link of constant length, as a rope is while it is taut.
+fn has_length(joint: &Joint, limits: &[Limit]) -> bool {
+    let is_taut = joint.kind.coordinate() == Some(Coordinate::Length) && limits.iter().any(|limit| limit.is_held);
+    joint.has_length() || is_taut
+}
+
 /// The greatest turn of a body on joints, or of a link of constant length, and the greatest change of such a rate, times the step; rad.
 fn turning((model, state): (&Model, &State), linear: &Linear, response: &Response) -> [f64; 2] {
     let h = model.step;
@@ -257,7 +272,7 @@ fn turning((model, state): (&Model, &State), linear: &Linear, response: &Respons
     let bodies = linear.joints.held().iter().map(of_body).fold([0.0; 2], of_rates);
     let links = model.joints.iter().enumerate().filter(|(i, joint)| {
         let rows = linear.start[*i]..linear.start[*i + 1];
-        joint.has_length() && !rows.is_empty()
+        has_length(joint, linear.joints.limits.of_joint(*i as u32)) && !rows.is_empty()
     });
     let of_link = |(_, joint): (usize, &Joint)| {
         let f = state.joint_frames(joint);

@@ -1,4 +1,4 @@
-//! Solve the step's cone complementarity problem: contact impulses, limits and joints at once.
+//! Solve the step's cone complementarity problem: contact impulses and joints at once.
 //! in     position          [n_bodies]     m
 //! in     orientation       [n_bodies]
 //! in     velocity          [n_bodies]     m/s
@@ -16,17 +16,14 @@
 //! in     joint_start       [n_joints + 1]
 //! in     joint_row         [n_rows]
 //! in     joint_kept        [n_rows]       m or rad
-//! in     limit_joint       [n_limits]
 //! inout  joint_bias        [n_rows]       m/s: on the arcs of the step
-//! inout  limit             [n_limits]     the same
 //! inout  impulse           [n_contacts]   N s, world: the starting point, then the solution
 //! inout  rolling_impulse   [n_contacts]   N m s, world
 //! out    motion            [n_bodies]     m/s and rad/s, world
 //! out    displacement      [n_bodies]     m/s and rad/s, world: the recovery of overlaps, over h; empty where nothing overlaps
 //! out    joint_impulse     [n_rows]       N s, N m s
-//! out    limit_impulse     [n_limits]     N s, N m s
 //!
-//! The factor of the joints lasts for later steps where there are neither contacts nor limits ([`crate::joint_factor`]).
+//! The factor of the joints lasts for later steps where there are no contacts, and no limits that may be met ([`crate::joint_factor`]).
 //!
 //! Per contact, with its normal n and b = (Φ/h) n: minimise ½ γᵀNγ + rᵀγ over γ in the cone |γ_t| ≤ μ γ_n, with
 //! N = Dᵀ M̃⁻¹ D and r = b + Dᵀ v_free. The metric: contact i's steps are scaled by η_i = 3/trace(D_iᵀ M⁻¹ D_i), one scalar per
@@ -34,22 +31,20 @@
 
 use super::arcs::{Arcs, Linear};
 use super::impacts::bounces;
-use super::joint_write::Limits;
 use super::masses::Masses;
 use super::solve::bodies::{BodyOperator, Falling, Free, Offset, Recovery};
 use super::solve::exact;
 use super::solve::iterates::Iterates;
 use super::solve::joints::Joints;
-use super::solve::motors::{ROUNDS, most_rounds};
 use super::solve::operator::Operator;
 use super::solve::overlaps::{self, Displacement};
+use super::solve::pivoting::{Next, Rounds};
 use super::solve::residual::{residual, worst_block};
 use super::solve::response::Response;
 use super::solve::support;
 use super::solve::sweeps::{self, Sweeps};
 use super::solve::{self};
 use crate::contacts::Contacts;
-use crate::joint::Row;
 use crate::joint_factor::JointFactor;
 use crate::model::Model;
 use crate::outcome::Outcome;
@@ -75,8 +70,6 @@ pub struct Columns<'a> {
     pub joint_factor: &'a mut JointFactor,
     /// First row of each joint, and of the springs (n_joints + 1).
     pub joint_start: &'a [u32],
-    /// Joint limits that may be met.
-    pub limits: &'a mut Limits,
     /// Velocities with contacts and joints, and the joints' multipliers.
     pub response: &'a mut Response,
     /// Recovery of overlaps.
@@ -92,7 +85,6 @@ impl Columns<'_> {
             joints: self.joints,
             joint_factor: self.joint_factor,
             joint_start: self.joint_start,
-            limits: self.limits,
             response: self.response,
             displacement: self.displacement,
         }
@@ -114,7 +106,7 @@ pub struct Workspace {
 }
 
 /// The stage. Returns the solver's outcome, and the bodies of the block with the maximum residual where the step's is above
-/// [`residual_bound`]. Where motors come to their maximum effort, or from it to their rate, the step is solved again.
+/// [`residual_bound`]. Where limits are met or left, and motors come to their maximum effort or from it to their rate, the step is solved again.
 pub fn run(
     model: &Model,
     plan: &StepPlan,
@@ -123,40 +115,32 @@ pub fn run(
     mut columns: Columns,
     work: &mut Workspace,
 ) -> (Outcome, Option<[u32; 2]>) {
-    let n_motors = columns.joints.motors.len();
-    work.arcs.bend = Bend::default();
-    if n_motors == 0 {
-        return solve_once((model, plan, state), contacts, columns, work);
-    }
-    let bias = columns.joints.bias.clone();
-    let psi: Vec<f64> = columns.limits.rows.iter().map(|row| row.psi).collect();
-    let mut iterations = 0;
-    for round in 1.. {
+    let n_bounds = columns.joints.n_bounds();
+    columns.joints.begin_rounds();
+    let (mut rounds, mut iterations) = (Rounds::default(), 0);
+    loop {
+        work.arcs.bend = Bend::default();
         let (mut outcome, worst) = solve_once((model, plan, state), contacts, columns.again(), work);
         iterations += outcome.iterations;
         outcome.iterations = iterations;
-        let mut wrong = columns.joints.wrong_motors(columns.masses, columns.response, 0.0);
-        if wrong.is_empty() || round > most_rounds(n_motors) {
-            // Motors without a side are a solve that has not converged.
-            outcome.residual = wrong.iter().fold(outcome.residual, |most, wrong| wrong.excess.max(most));
-            return (outcome, worst);
+        let wrong = columns.joints.wrong_bounds(columns.masses, columns.response, 0.0);
+        match rounds.next(&wrong, n_bounds) {
+            Next::End => {
+                // Bounds without a side are a solve that has not converged.
+                outcome.residual = wrong.iter().fold(outcome.residual, |most, wrong| wrong.excess.max(most));
+                return (outcome, worst);
+            }
+            Next::Turn(n) => columns.joints.pivot(&wrong[..n]),
+            Next::Settle { is_first } => columns.joints.settle_limits(columns.masses, columns.response, is_first),
         }
-        if round > ROUNDS {
-            wrong.truncate(1);
-        }
-        columns.joints.motors.set(&wrong);
-        // The arcs are others.
-        columns.joints.bias.clone_from(&bias);
-        columns.limits.rows.iter_mut().zip(&psi).for_each(|(row, psi)| row.psi = *psi);
     }
-    unreachable!("the rounds have an end")
 }
 
-/// Solve with the motors as they are.
+/// Solve with motors and limits as they are.
 fn solve_once(
     (model, plan, state): (&Model, &StepPlan, &State),
     contacts: &mut Contacts,
-    Columns { masses, free, joints, joint_factor, joint_start, limits, response, displacement }: Columns,
+    Columns { masses, free, joints, joint_factor, joint_start, response, displacement }: Columns,
     work: &mut Workspace,
 ) -> (Outcome, Option<[u32; 2]>) {
     let n = contacts.len();
@@ -165,31 +149,28 @@ fn solve_once(
             support::fill(model, state, contacts);
             start
         }
-        None => (plan.method_with(n, limits.rows.len()), &model.solver),
+        None => (plan.method_with(n), &model.solver),
     };
-    let are_alone = n == 0 && limits.rows.is_empty();
-    if are_alone {
+    if n == 0 {
         joints.prepare_from(masses, std::mem::take(joint_factor));
     } else {
         joints.prepare(masses);
         joint_factor.end();
     }
     let at = (model, state);
-    // Without contacts and limits the joints answer once.
-    if !are_alone {
+    // Without contacts the joints answer once.
+    if n > 0 {
         let linear = Linear { start: joint_start, joints, masses };
-        work.arcs.foresee(at, linear, free, (response, limits));
+        work.arcs.foresee(at, linear, free, response);
     }
-    let Limits { rows: limits, impulse: limit_impulse, .. } = limits;
-    let limits = &limits[..];
-    let has_offsets = work.fill_offsets(model, plan, state, contacts, (joints, limits), method);
+    let has_offsets = work.fill_offsets(model, plan, state, contacts, joints, method);
     // Sweeps on packed contacts compute η themselves.
     match method {
         ContactMethod::Sweeps => work.eta.clear(),
-        ContactMethod::Blocks(_) => fill_eta(&mut work.eta, plan, masses, contacts, limits),
+        ContactMethod::Blocks(_) => fill_eta(&mut work.eta, plan, masses, contacts),
     }
     let mut eta_of_worst = vec![];
-    let mut gamma = begin(std::mem::take(&mut work.gamma), contacts, limits.len(), plan.rolls);
+    let mut gamma = begin(std::mem::take(&mut work.gamma), contacts, plan.rolls);
     let mut op = BodyOperator {
         plan,
         contacts,
@@ -197,7 +178,6 @@ fn solve_once(
         masses,
         free: if plan.has_free_column { Free::Column(free) } else { Free::Falling(Falling { model, state }) },
         joints,
-        limits,
         offset: if has_offsets { Offset::Column(&mut work.offset) } else { Offset::OfGap },
         recovery: Recovery::of(model),
         offset_without_slip: &work.offset_without_slip,
@@ -211,11 +191,11 @@ fn solve_once(
         solve_by(method, &mut op, (model, settings), (&mut gamma, response), (&mut work.iterates, &mut work.sweeps));
     let is_high = outcome.residual > residual_bound(model);
     if is_high && op.eta.is_empty() {
-        fill_eta(&mut eta_of_worst, plan, masses, op.contacts, limits);
+        fill_eta(&mut eta_of_worst, plan, masses, op.contacts);
         op.eta = &eta_of_worst;
     }
     work.arcs.hold(at, Linear { start: joint_start, joints: op.joints, masses }, response);
-    if are_alone {
+    if n == 0 {
         *joint_factor = op.joints.lasting(work.arcs.turn);
     }
     let worst = is_high.then(|| op.bodies(worst_block(&op, &gamma, response)));
@@ -224,8 +204,7 @@ fn solve_once(
     if state.steps.is_multiple_of(period) {
         overlaps::recover(&mut op, period, response, displacement);
     }
-    let n_limits = limits.len();
-    work.gamma = keep(gamma, contacts, (limit_impulse, n_limits), plan.rolls);
+    work.gamma = keep(gamma, contacts, plan.rolls);
     (outcome, worst)
 }
 
@@ -243,35 +222,25 @@ fn begins(model: &Model, state: &State, contacts: &Contacts) -> bool {
     state.has_arrivals && (0..contacts.len()).filter(is_new).count() as f64 > PART * contacts.len() as f64
 }
 
-/// The multipliers that a solve with `n_limits` limits begins with: those in the columns of the contacts. Takes the memory.
-fn begin(mut gamma: Vec<DVec3>, contacts: &mut Contacts, n_limits: usize, rolls: bool) -> Vec<DVec3> {
+/// The multipliers that a solve begins with: those in the columns of the contacts. Takes the memory.
+fn begin(mut gamma: Vec<DVec3>, contacts: &mut Contacts, rolls: bool) -> Vec<DVec3> {
     gamma.clear();
     // Without other blocks γ is the column of contact impulses.
-    if rolls || n_limits > 0 {
+    if rolls {
         gamma.extend_from_slice(&contacts.impulse);
         gamma.extend_from_slice(&contacts.rolling_impulse);
-        gamma.resize(gamma.len() + n_limits, DVec3::ZERO);
     } else {
         std::mem::swap(&mut gamma, &mut contacts.impulse);
     }
     gamma
 }
 
-/// Put the multipliers of a solve into the columns of the contacts and of the `n_limits` limits. Returns the memory.
-fn keep(
-    mut gamma: Vec<DVec3>,
-    contacts: &mut Contacts,
-    (limit_impulse, n_limits): (&mut Vec<f64>, usize),
-    rolls: bool,
-) -> Vec<DVec3> {
+/// Put the multipliers of a solve into the columns of the contacts. Returns the memory.
+fn keep(mut gamma: Vec<DVec3>, contacts: &mut Contacts, rolls: bool) -> Vec<DVec3> {
     let n = contacts.len();
-    limit_impulse.clear();
-    limit_impulse.extend(gamma[gamma.len() - n_limits..].iter().map(|g| g.x));
-    if rolls || n_limits > 0 {
+    if rolls {
         contacts.impulse.copy_from_slice(&gamma[..n]);
-        if rolls {
-            contacts.rolling_impulse.copy_from_slice(&gamma[n..2 * n]);
-        }
+        contacts.rolling_impulse.copy_from_slice(&gamma[n..2 * n]);
     } else {
         std::mem::swap(&mut gamma, &mut contacts.impulse);
     }
@@ -294,7 +263,7 @@ fn solve_by(
     }
     let found = solve::solve(op, settings, gamma, response, iterates);
     let is_lost = found.residual > residual_bound(model);
-    if is_lost && op.limits.is_empty() && op.plan.has_slip_feedback(method) {
+    if is_lost && op.plan.has_slip_feedback(method) {
         return sweep_again(op, settings, (gamma, response), (iterates, sweeps), found);
     }
     found
@@ -308,7 +277,7 @@ fn solve_by(
 fn is_taken_over(op: &mut BodyOperator, settings: &SolverSettings, gamma: &[DVec3], response: &mut Response) -> bool {
     let n = gamma.len();
     let Some(bound) = op.plan.takeover else { return false };
-    if !op.limits.is_empty() || n <= settings.max_iterations(n) as usize {
+    if n <= settings.max_iterations(n) as usize {
         return false;
     }
     if bound < 0.0 {
@@ -374,13 +343,13 @@ impl Workspace {
         plan: &StepPlan,
         state: &State,
         contacts: &Contacts,
-        (joints, limits): (&Joints, &[Row]),
+        joints: &Joints,
         method: ContactMethod,
     ) -> bool {
         let (n, offset) = (contacts.len(), &mut self.offset);
         let recovery = Recovery::of(model);
         let has_slip_feedback = plan.has_slip_feedback(method);
-        let has_rows = !joints.rows.is_empty() || !limits.is_empty();
+        let has_rows = !joints.rows.is_empty();
         // Contacts of faces come and go with each step, so that what a cut-off solve leaves of them adds up to overlaps.
         let has_faces = plan.narrow == Narrow::Any;
         if !(plan.bounces || has_slip_feedback || has_rows || has_faces) {
@@ -394,8 +363,8 @@ impl Workspace {
             has_faces && is_of_faces || joints.hold(body)
         });
         let lifts = &self.lifts;
-        offset.resize(n + limits.len(), 0.0);
-        fill_rows(&mut offset[..n], |i| {
+        offset.resize(n, 0.0);
+        fill_rows(offset, |i| {
             let [s, t, _] = contacts.key[i];
             let gap = contacts.gap[i];
             let opening = match lifts[s as usize] || lifts[t as usize] {
@@ -409,9 +378,6 @@ impl Workspace {
             let speed = contacts.velocity(i, |b| state.twist(b)).dot(contacts.normal[i]);
             if restitution > 0.0 && bounces(model, gap, speed) { opening.min(restitution * speed) } else { opening }
         });
-        for (k, row) in limits.iter().enumerate() {
-            offset[n + k] = recovery.limit_rate(row.psi);
-        }
         if has_slip_feedback {
             self.offset_without_slip.clone_from(offset);
             self.last_slip.clear();
@@ -426,19 +392,17 @@ impl Workspace {
 }
 
 /// Fill η of the blocks.
-fn fill_eta(eta: &mut Vec<f64>, plan: &StepPlan, masses: &Masses, contacts: &Contacts, limits: &[Row]) {
+fn fill_eta(eta: &mut Vec<f64>, plan: &StepPlan, masses: &Masses, contacts: &Contacts) {
     let n = contacts.len();
     let rolls = if plan.rolls { n } else { 0 };
-    eta.resize(n + rolls + limits.len(), 0.0);
+    eta.resize(n + rolls, 0.0);
     fill_rows(eta, |i| {
         if i < n {
             masses.eta(contacts, i)
-        } else if i < n + rolls {
+        } else {
             let [a, b] = contacts.bodies[i - n].map(|b| masses.inv_inertia(b as usize));
             let m = a + b;
             3.0 / (m.x_axis.x + m.y_axis.y + m.z_axis.z)
-        } else {
-            1.0 / masses.response(&limits[i - n - rolls])
         }
     });
 }

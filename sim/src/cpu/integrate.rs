@@ -3,9 +3,6 @@
 //! in     displacement      [n_bodies]  m/s and rad/s, world: moves the poses alone; empty where nothing overlaps
 //! in     joint_start       [n_joints + 1]
 //! in     joint_row         [n_rows]
-//! in     limit             [n_limits]
-//! in     limit_joint       [n_limits]
-//! in     limit_impulse     [n_limits]  N s, N m s
 //! in     joint_impulse     [n_rows]    N s, N m s: joint states are recorded before the poses change
 //! inout  position          [n_bodies]  m
 //! inout  orientation       [n_bodies]

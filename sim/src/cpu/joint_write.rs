@@ -1,12 +1,10 @@
-//! Write the rows of joints, motors and springs, and of the limits that may be met in the step.
+//! Write the rows of joints, motors and springs; those of limits that may be met in the step are the last of their joints.
 //! in     position     [n_bodies]      m
 //! in     orientation  [n_bodies]
 //! out    joint_start  [n_joints + 1]  first row of each joint, and of the springs
 //! out    joint_row    [n_rows]        dΨ/dt and Ψ in the world frame
 //! out    joint_kept   [n_rows]        what the step leaves of Ψ, m or rad; 0 of springs
 //! out    joint_bias   [n_rows]        (Ψ − kept)/h − rate, and terms of springs, m/s
-//! out    limit        [n_limits]
-//! out    limit_joint  [n_limits]
 //! inout  tensor       [n_tensors]     geometric stiffness is added
 //! inout  free         [n_bodies]      explicit springs act on it, and geometric stiffness
 //! Source: paper §2, bilateral constraints; springs are implicit where they are too stiff for the step.
@@ -24,29 +22,8 @@ use crate::twist::Twist;
 use crate::work::{self, Span};
 use glam::DVec3;
 
-/// Number of steps within which a coordinate must be able to reach a limit for the limit to have a row.
+/// Number of steps within which the speeds of a joint's bodies must be able to bring it to a limit for the limit to have a row.
 const LOOK_AHEAD: f64 = 3.0;
-
-/// Joint limits that may be met in the step, in the order of their joints (n_limits each).
-#[derive(Default)]
-pub struct Limits {
-    /// Rows.
-    pub rows: Vec<Row>,
-    /// Ids of the joints.
-    pub joint: Vec<u32>,
-    /// Whether each is a maximum.
-    pub is_most: Vec<bool>,
-    /// Impulses after the solve, N s or N m s.
-    pub impulse: Vec<f64>,
-}
-
-impl Limits {
-    fn push(&mut self, joint: usize, is_most: bool, row: Row) {
-        self.rows.push(row);
-        self.is_most.push(is_most);
-        self.joint.push(joint as u32);
-    }
-}
 
 /// The output of the stage.
 pub struct Output<'a> {
@@ -54,14 +31,12 @@ pub struct Output<'a> {
     pub start: &'a mut Vec<u32>,
     /// The rows.
     pub joints: &'a mut Joints,
-    /// Joint limits that may be met.
-    pub limits: &'a mut Limits,
     /// Velocities without contacts and joints (n_bodies).
     pub free: &'a mut [Twist],
 }
 
 /// The stage. Joints with an inactive body do not act yet.
-pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, joints, limits, free }: Output) {
+pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, joints, free }: Output) {
     let h = model.step;
     let end = state.time + h;
     start.clear();
@@ -70,7 +45,7 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
     joints.kept.clear();
     joints.motors.start(h);
     (joints.is_factorised, joints.part) = (false, model.part);
-    *limits = Limits::default();
+    joints.limits.clear();
     let frames: Vec<Option<Frames>> =
         model.joints.iter().map(|joint| joint_acts(state, joint).then(|| state.joint_frames(joint))).collect();
     for (i, (joint, f)) in model.joints.iter().zip(&frames).enumerate() {
@@ -94,21 +69,7 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
             let row = &joints.rows[row];
             joints.motors.push(motor, (masses.response(row), row.speed_in(free)));
         }
-        let limits_of = joint.limits.filter(|_| joint.locked_at().is_none());
-        if let (Some([min, max]), Some(c)) = (limits_of, joint.kind.coordinate()) {
-            let at = joint.coordinate(f, &state.joints[i]);
-            let row = joint.free_row(f, c);
-            let reach = LOOK_AHEAD * h * state.joints[i].rate.abs() + near(c, max - min);
-            // A length is never below 0, where it has no direction.
-            let is_bound = c != Coordinate::Length || min > 0.0;
-            if is_bound && at - min <= reach {
-                limits.push(i, false, Row { psi: at - min, ..row });
-            }
-            if max - at <= reach {
-                let (linear, angular_a, angular_b) = (-row.linear, -row.angular_a, -row.angular_b);
-                limits.push(i, true, Row { psi: max - at, linear, angular_a, angular_b, ..row });
-            }
-        }
+        push_limits(model, state, (i, f), free, joints);
     }
     start.push(joints.rows.len() as u32);
     let mut stiffness =
@@ -122,21 +83,50 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
     (joints.is_light, joints.is_stiff) = (stiffness.is_light, is_stiff);
 }
 
+/// Write the rows of the limits of a joint with the frames `f` that may be met in the step; `free` are the velocities without joints.
+fn push_limits(model: &Model, state: &State, (i, f): (usize, &Frames), free: &[Twist], joints: &mut Joints) {
+    let (joint, h) = (&model.joints[i], model.step);
+    let limits = joint.limits.filter(|_| joint.locked_at().is_none());
+    let (Some([min, max]), Some(c)) = (limits, joint.kind.coordinate()) else { return };
+    let (at, free_row) = (joint.coordinate(f, &state.joints[i]), joint.free_row(f, c));
+    let [a, b] = joint.bodies.map(|b| state.twist(b as usize));
+    let reach = LOOK_AHEAD * h * free_row.speeds(a, b) + near(c, max - min);
+    for is_most in [false, true] {
+        // A length is never below 0, where it has no direction.
+        let is_bound = is_most || c != Coordinate::Length || min > 0.0;
+        if !is_bound || joint.room(at, is_most) > reach {
+            continue;
+        }
+        let row = joint.limit_row(&free_row, at, is_most);
+        let back = model.solver.recovery_speed * h;
+        let kept = kept(model, state, &row).min(row.psi + back).min(0.0);
+        let rate = (row.psi - kept) / h;
+        joints.limits.push([i as u32, joints.rows.len() as u32], is_most, (rate, row.speed_in(free)), h);
+        joints.rows.push(row);
+        joints.kept.push(kept);
+        joints.bias.push(rate);
+    }
+}
+
+/// What a part of a step leaves of the Ψ of a row, m or rad: of a gap that is more than its bodies move by.
+fn kept(model: &Model, state: &State, row: &Row) -> f64 {
+    /// Rate of a gap that is made good at once, over the speed of the joint's bodies.
+    const AT_ONCE: f64 = 1e-3;
+    let [a, b] = row.bodies.map(|b| state.twist(b as usize));
+    let is_put_off = model.part < 1.0 && row.psi.abs() > model.step * AT_ONCE * row.speeds(a, b);
+    if is_put_off { (1.0 - model.part) * row.psi } else { 0.0 }
+}
+
 /// Write the bias of the last rows, those of a joint, and what the step leaves of their Ψ.
 ///
 /// A step that found no solution leaves a gap ([`super::arcs`]). A part of a step does not make it good in its own short time, by speeds that
 /// a bridge with little slack would multiply, but in that of a whole step. What motors prescribe is never put off.
 fn push_bias(model: &Model, state: &State, joint: &Joint, joints: &mut Joints) {
-    /// Rate of a gap that is made good at once, over the speed of the joint's bodies.
-    const AT_ONCE: f64 = 1e-3;
     let (h, first) = (model.step, joints.bias.len());
     let rows = &joints.rows[first..];
     let bound = model.solver.recovery_speed.max(1.0) / h;
     for (k, row) in rows.iter().enumerate() {
-        let [a, b] = row.bodies.map(|b| state.twist(b as usize));
-        let is_put_off =
-            model.part < 1.0 && !joint.drives(k, rows.len()) && row.psi.abs() > h * AT_ONCE * row.speeds(a, b);
-        let kept = if is_put_off { (1.0 - model.part) * row.psi } else { 0.0 };
+        let kept = if joint.drives(k, rows.len()) { 0.0 } else { kept(model, state, row) };
         joints.kept.push(kept);
         joints.bias.push(((row.psi - kept) / h).clamp(-bound, bound) - row.rate);
     }
@@ -248,7 +238,6 @@ pub fn record(
     model: &Model,
     state: &mut State,
     rows: (&[u32], &Joints),
-    limits: &Limits,
     response: &Response,
     outcome: &mut StepOutcome,
 ) {
@@ -257,7 +246,7 @@ pub fn record(
     let motion = &response.twist;
     let of_loads: f64 = Span { state, motion }.of_loads(model).inspect(|work| outcome.work += work.abs()).sum();
     state.load_work += of_loads;
-    record_joints(model, state, rows, limits, response, outcome);
+    record_joints(model, state, rows, response, outcome);
     record_springs(model, state, motion, outcome);
 }
 
@@ -271,7 +260,6 @@ fn record_joints(
     model: &Model,
     state: &mut State,
     (start, joints): (&[u32], &Joints),
-    limits: &Limits,
     response: &Response,
     outcome: &mut StepOutcome,
 ) {
@@ -282,7 +270,8 @@ fn record_joints(
             continue;
         }
         let f = state.joint_frames(joint);
-        let range = start[i] as usize..start[i + 1] as usize;
+        let limits = joints.limits.of_joint(i as u32);
+        let range = start[i] as usize..start[i + 1] as usize - limits.len();
         let (rows, lambda) = (&joints.rows[range.clone()], &response.lambda[range]);
         let known = state.joints[i];
         let mut now = JointState {
@@ -323,7 +312,6 @@ fn record_joints(
                 outcome.joints.add(i, row, error);
             }
         }
-        let limit = limits.joint.partition_point(|j| *j < i as u32)..limits.joint.partition_point(|j| *j <= i as u32);
         let mut add = |rows: &[Row], impulses: &[f64]| {
             let (force, torque) = f.reaction(rows, impulses, h);
             now.force_world += force;
@@ -331,7 +319,9 @@ fn record_joints(
         };
         add(rows, lambda);
         given.iter().for_each(|(row, impulse)| add(&[*row], &[*impulse]));
-        add(&limits.rows[limit.clone()], &limits.impulse[limit]);
+        for limit in limits.iter().filter(|limit| limit.is_held).map(|limit| limit.row as usize) {
+            add(&[joints.rows[limit]], &[response.lambda[limit]]);
+        }
         let into = f.a.orientation.inverse();
         (now.force, now.torque) = (into * now.force_world, into * now.torque_world);
         state.joints[i] = now;

@@ -6,17 +6,15 @@
 //! out    free                   [n_members]  m/s, rad/s: velocities with joints and without contacts
 //! inout  joints, springs        of the state
 //! The joints hold on the arcs of the step ([`super::arcs`]): as those are without contacts, for these, and at its end with them.
-//! Limits of joints that hold are rows of the joints, which [`Mechanism::settle`] finds by rounds: what a row would pull is let go, and what
-//! passes its limit is held. So are motors that reach their maximum effort let go, and held where they come to their rate
-//! ([`super::solve::motors`]).
+//! Which limits of joints hold, and which motors give their maximum effort, [`Mechanism::settle`] finds by rounds ([`super::solve::pivoting`]).
 //! The stages are those of the CPU back end: `force`, `joint_write`, the elimination of `solve::joints`, `integrate`.
 
 use super::arcs::{Arcs, Linear};
 use super::integrate::moved_pose;
 use super::masses::Masses;
-use super::solve::bodies::{Falling, Recovery};
+use super::solve::bodies::Falling;
 use super::solve::joints::{Joints, Reduced, on_body};
-use super::solve::motors::{ROUNDS, most_rounds};
+use super::solve::pivoting::{Next, Rounds};
 use super::solve::response::Response;
 use super::{force, joint_write};
 use crate::joint::Row;
@@ -39,14 +37,9 @@ pub struct Mechanism {
     pub joints: Joints,
     /// Their factorisation for single precision.
     pub reduced: Reduced,
-    limits: joint_write::Limits,
-    /// Whether each limit holds, as a row of the joints (n_limits).
-    held: Vec<bool>,
-    /// First row of a limit.
-    first_limit: usize,
     /// Rounds of this step, in which limits or motors have changed.
-    rounds: usize,
-    /// The greatest rate by which a motor is on the wrong side after the last of them, m/s or rad/s.
+    rounds: Rounds,
+    /// The greatest rate by which a limit or a motor is on the wrong side after the last of them, m/s or rad/s.
     unsettled: f64,
     /// Velocities with joints (n_bodies; of these bodies alone).
     response: Response,
@@ -86,9 +79,7 @@ impl Mechanism {
     /// Forces, rows of the joints and their factorisation, and the velocities without contacts, which `impacts` before these change (n_bodies,
     /// or none). Returns whether the structure of the factor is another.
     pub fn begin(&mut self, model: &Model, state: &State, impacts: &[Twist]) -> bool {
-        /// Distance from a limit at which a joint is there, rad or m.
-        const AT: f64 = 1e-7;
-        let Mechanism { bodies, masses, free, joint_start: start, joints, limits, .. } = self;
+        let Mechanism { bodies, masses, free, joint_start: start, joints, .. } = self;
         masses.rotate_bodies(model, state, bodies.iter().map(|b| *b as usize));
         let falling = Falling { model, state };
         for b in bodies.iter().map(|b| *b as usize) {
@@ -98,98 +89,46 @@ impl Mechanism {
             }
         }
         force::apply(model, state, masses, free);
-        joint_write::run(model, state, masses, joint_write::Output { start, joints, limits, free });
-        // Those that the joints are at and do not leave, as the last step has left them.
-        let speed = |k: usize| state.joints[limits.joint[k] as usize].rate * if limits.is_most[k] { -1.0 } else { 1.0 };
-        let is_at = |k: usize| limits.rows[k].psi + model.step * speed(k) <= AT;
-        self.held = (0..limits.rows.len()).map(is_at).collect();
-        (self.first_limit, self.rounds, self.unsettled) = (self.joints.rows.len(), 0, 0.0);
-        let is_new = self.hold(model);
-        self.foresee(model, state);
-        is_new
+        joint_write::run(model, state, masses, joint_write::Output { start, joints, free });
+        joints.begin_rounds();
+        (self.rounds, self.unsettled) = (Rounds::default(), 0.0);
+        self.hold(model, state)
     }
 
-    /// Have the arcs of the step without contacts in the rows, and in Ψ of the limits.
-    fn foresee(&mut self, model: &Model, state: &State) {
-        let Mechanism { masses, free, joint_start: start, joints, limits, response, arcs, .. } = self;
-        arcs.foresee((model, state), Linear { start, joints, masses }, free, (response, limits));
-        if !limits.rows.is_empty() {
-            self.bias_limits(model);
-            self.respond(&[]);
-        }
-    }
-
-    /// The bias of the limits that hold.
-    fn bias_limits(&mut self, model: &Model) {
-        let recovery = Recovery::of(model);
-        self.joints.bias.truncate(self.first_limit);
-        let held = self.limits.rows.iter().zip(&self.held).filter(|(_, is_held)| **is_held);
-        self.joints.bias.extend(held.map(|(row, _)| recovery.limit_rate(row.psi)));
-    }
-
-    /// Have the limits that hold as rows of the joints, and factorise these. Returns whether the structure of the factor is another.
-    fn hold(&mut self, model: &Model) -> bool {
-        self.bias_limits(model);
-        let Mechanism { masses, joints, limits, held, first_limit, reduced, .. } = self;
-        joints.rows.truncate(*first_limit);
-        joints.rows.extend(limits.rows.iter().zip(held).filter(|(_, is_held)| **is_held).map(|(row, _)| *row));
-        joints.prepare(masses);
-        joints.reduce(masses, reduced);
-        let is_new = joints.take_is_new();
+    /// Factorise the rows, with motors and limits as they are, and have the arcs of the step without contacts in them. Returns whether the structure of
+    /// the factor is another.
+    fn hold(&mut self, model: &Model, state: &State) -> bool {
+        self.joints.prepare(&self.masses);
+        self.joints.reduce(&self.masses, &mut self.reduced);
+        let is_new = self.joints.take_is_new();
         self.respond(&[]);
+        let Mechanism { masses, free, joint_start: start, joints, response, arcs, .. } = self;
+        arcs.foresee((model, state), Linear { start, joints, masses }, free, response);
         is_new
     }
 
     /// Whether there are limits that may be met in the step, or motors with a maximum effort.
     pub fn has_bounds(&self) -> bool {
-        !self.limits.rows.is_empty() || !self.joints.motors.is_empty()
+        self.joints.n_bounds()[0] > 0
     }
 
     /// Let go of the limits that would pull with what the contacts do, and hold those that would be passed; the same of motors, which would give more
     /// than their maximum or go beyond their rate. Returns whether there are such, so that the contacts are to be solved again, and whether the
     /// structure of the factor is another.
-    pub fn settle(&mut self, model: &Model, effects: &[Effect]) -> Option<bool> {
+    pub fn settle(&mut self, (model, state): (&Model, &State), effects: &[Effect]) -> Option<bool> {
         /// A rate that is rounding, over that of the mechanism.
         const ROUNDING: f64 = 1e-6;
         self.respond(effects);
-        self.rounds += 1;
-        let recovery = Recovery::of(model);
         let fastest = self.bodies.iter().map(|b| self.twist(*b)).map(|t| t.v.length().max(t.w.length()));
         let fastest = fastest.fold(0.0, f64::max);
-        let mut at = self.first_limit;
-        let mut wrong = vec![];
-        for (k, row) in self.limits.rows.iter().enumerate() {
-            let rate = recovery.limit_rate(row.psi);
-            // An impulse as the change of the rate that it makes.
-            let is_wrong = match self.held[k] {
-                true => {
-                    at += 1;
-                    self.response.lambda[at - 1] * self.masses.response(row) < -ROUNDING * fastest
-                }
-                false => row.speed_in(&self.response.twist) + rate < -ROUNDING * fastest,
-            };
-            wrong.extend(is_wrong.then_some(k));
+        let wrong = self.joints.wrong_bounds(&self.masses, &self.response, ROUNDING * fastest);
+        self.unsettled = wrong.iter().fold(0.0, |most, wrong| wrong.excess.max(most));
+        match self.rounds.next(&wrong, self.joints.n_bounds()) {
+            Next::End => return None,
+            Next::Turn(n) => self.joints.pivot(&wrong[..n]),
+            Next::Settle { is_first } => self.joints.settle_limits(&self.masses, &mut self.response, is_first),
         }
-        let mut motors = self.joints.wrong_motors(&self.masses, &self.response, ROUNDING * fastest);
-        self.unsettled = motors.iter().fold(0.0, |most, wrong| wrong.excess.max(most));
-        if self.rounds > ROUNDS {
-            wrong.truncate(1);
-            motors.truncate(1 - wrong.len());
-        }
-        let n = self.limits.rows.len() + self.joints.motors.len();
-        if wrong.is_empty() && motors.is_empty() || self.rounds > most_rounds(n) {
-            return None;
-        }
-        wrong.into_iter().for_each(|k| self.held[k] = !self.held[k]);
-        self.joints.motors.set(&motors);
-        Some(self.hold(model))
-    }
-
-    /// The impulses of the limits, of which those that do not hold have none.
-    fn keep_limits(&mut self) {
-        let mut rest = self.response.lambda[self.first_limit..].iter();
-        let of = |is_held: &bool| if *is_held { *rest.next().expect("a row for each limit that holds") } else { 0.0 };
-        self.limits.impulse = self.held.iter().map(of).collect();
+        Some(self.hold(model, state))
     }
 
     /// The velocities that impulses on the bodies give, with their joints.
@@ -240,10 +179,9 @@ impl Mechanism {
         if share > 0.0 && model.gravity == DVec3::ZERO {
             self.keep_angular_momentum(effects, 0.5 * share * model.step);
         }
-        self.keep_limits();
         outcome.solver.residual = outcome.solver.residual.max(self.unsettled);
         let rows = (&self.joint_start[..], &self.joints);
-        joint_write::record(model, state, rows, &self.limits, &self.response, outcome);
+        joint_write::record(model, state, rows, &self.response, outcome);
         for b in self.bodies.iter().map(|b| *b as usize) {
             let (motion, inverse, h) = (&self.response.twist[b], model.inv_inertia[b], model.step);
             let moved = (share > 0.0).then(|| (&self.moved.twist[b], share * h));

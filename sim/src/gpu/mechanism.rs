@@ -147,7 +147,7 @@ impl Mechanism {
     /// Those of [`Buffer::read`].
     pub fn settle(&mut self, device: &Device, model: &Model, state: &State) -> Result<Option<bool>, GpuError> {
         let (effects, _) = self.effects(device)?;
-        let Some(is_new) = self.own.settle(model, &effects) else { return Ok(None) };
+        let Some(is_new) = self.own.settle((model, state), &effects) else { return Ok(None) };
         self.rows.take(&self.own, is_new);
         let has_grown = self.joints.place(device, &self.rows, is_new)?;
         self.place_free(device, model, state)?;

@@ -1,8 +1,7 @@
 //! N = Dᵀ M̃⁻¹ D, matrix-free: the impulse of each block is applied to its two bodies, tile by tile ([`crate::contacts::Tiles`]) and
 //! in a fixed order, the joints are solved, and the relative velocities are evaluated block by block.
 //!
-//! Blocks: the contacts; then, where a material has rolling or spinning friction, a block of angular impulse for each contact;
-//! then the limits of joints, one multiplier each.
+//! Blocks: the contacts; then, where a material has rolling or spinning friction, a block of angular impulse for each contact.
 
 use super::cells::Cells;
 use super::cone::project_cone;
@@ -11,7 +10,6 @@ use super::response::Response;
 use super::schedule;
 use crate::contacts::Contacts;
 use crate::cpu::masses::Masses;
-use crate::joint::Row;
 use crate::model::{ContactLaw, Model};
 use crate::plan::StepPlan;
 use crate::rows::reduce_chunks;
@@ -69,7 +67,7 @@ pub enum Free<'a> {
 
 /// The normal parts of b, m/s.
 pub enum Offset<'a> {
-    /// A column: Φ/h or the restitution velocity, and the slip feedback of exact friction (n_contacts + n_limits).
+    /// A column: Φ/h or the restitution velocity, and the slip feedback of exact friction (n_contacts).
     Column(&'a mut [f64]),
     /// Φ/h of each contact ([`Recovery`]), evaluated where it is read; there are no joints.
     OfGap,
@@ -128,13 +126,7 @@ impl Recovery {
         if gap > 0.0 {
             return (gap - self.rest_gap).max(0.0) / self.step;
         }
-        self.limit_rate((SHARE * (gap + of_rest).min(0.0)).max(-10.0 * of_rest))
-    }
-
-    /// Φ/h of a joint's limit, at least minus the maximum speed of recovery, m/s or rad/s.
-    #[inline]
-    pub fn limit_rate(&self, gap: f64) -> f64 {
-        (gap / self.step).max(-self.speed)
+        ((SHARE * (gap + of_rest).min(0.0)).max(-10.0 * of_rest) / self.step).max(-self.speed)
     }
 
     /// Speed at which what is left of an overlap after the step, in which it changes at `speed`, is recovered for `steps` steps, m/s.
@@ -158,13 +150,11 @@ pub struct BodyOperator<'a> {
     pub free: Free<'a>,
     /// The joints.
     pub joints: &'a mut Joints,
-    /// Joint limits that may be met: dΨ/dt ≥ 0 once Ψ is 0.
-    pub limits: &'a [Row],
     /// The normal parts of b, m/s.
     pub offset: Offset<'a>,
     /// The rate of gaps.
     pub recovery: Recovery,
-    /// The offset without slip feedback (n_contacts + n_limits; empty for the relaxed law).
+    /// The offset without slip feedback (n_contacts; empty for the relaxed law).
     pub offset_without_slip: &'a [f64],
     /// Slip over μ below which none is fed back: the speed of one step of free fall, m/s.
     pub least_slip: f64,
@@ -178,14 +168,12 @@ pub struct BodyOperator<'a> {
     pub envelope: f64,
 }
 
-/// The kind of a block, with the index of its contact or limit.
+/// The kind of a block, with the index of its contact.
 pub enum Block {
     /// A contact.
     Contact(usize),
     /// The rolling and spinning friction of a contact.
     Roll(usize),
-    /// The limit of a joint.
-    Limit(usize),
 }
 
 impl BodyOperator<'_> {
@@ -193,24 +181,17 @@ impl BodyOperator<'_> {
     #[inline]
     pub fn block(&self, i: usize) -> Block {
         let n = self.contacts.len();
-        if i < n {
-            Block::Contact(i)
-        } else if self.plan.rolls && i < 2 * n {
-            Block::Roll(i - n)
-        } else {
-            Block::Limit(i - if self.plan.rolls { 2 * n } else { n })
-        }
+        if i < n { Block::Contact(i) } else { Block::Roll(i - n) }
     }
 
     /// Ids of the bodies of a block.
     pub fn bodies(&self, block: usize) -> [u32; 2] {
         match self.block(block) {
             Block::Contact(i) | Block::Roll(i) => self.contacts.bodies[i],
-            Block::Limit(i) => self.limits[i].bodies,
         }
     }
 
-    /// The normal part of b of a contact or a limit, m/s.
+    /// The normal part of b of a contact, m/s.
     #[inline]
     pub fn offset(&self, contact: usize) -> f64 {
         match &self.offset {
@@ -240,11 +221,6 @@ impl BodyOperator<'_> {
                 let [a, b] = self.contacts.bodies[i];
                 of(b as usize).w - of(a as usize).w
             }
-            Block::Limit(i) => {
-                let row = &self.limits[i];
-                let [a, b] = row.bodies.map(|b| of(b as usize));
-                DVec3::new(row.speed(a, b) + self.offset(self.contacts.len() + i), 0.0, 0.0)
-            }
         }
     }
 
@@ -270,7 +246,6 @@ impl BodyOperator<'_> {
                 let roll = if length > max { roll * (max / length) } else { roll };
                 n * spin.clamp(-law.spinning * normal, law.spinning * normal) + roll
             }
-            Block::Limit(_) => DVec3::new(y.x.max(0.0), 0.0, 0.0),
         }
     }
 
@@ -304,11 +279,6 @@ impl BodyOperator<'_> {
                 let [a, b] = self.contacts.bodies[i];
                 apply(a, DVec3::ZERO, -d);
                 apply(b, DVec3::ZERO, d);
-            }
-            Block::Limit(i) => {
-                let row = &self.limits[i];
-                apply(row.bodies[0], row.linear * -d.x, row.angular_a * -d.x);
-                apply(row.bodies[1], row.linear * d.x, row.angular_b * d.x);
             }
         }
     }
@@ -346,16 +316,13 @@ impl BodyOperator<'_> {
 
     /// Add the impulses of the blocks from `first` on to the sums of their bodies.
     pub fn add_blocks(&self, first: usize, gamma: &[DVec3], sums: &Cells<Twist>) {
-        let limits = gamma.len() - self.limits.len()..gamma.len();
         // The contacts, then their rolling blocks.
-        for first in (first..limits.start).step_by(self.contacts.len().max(1)) {
+        for first in (first..gamma.len()).step_by(self.contacts.len().max(1)) {
             // SAFETY: contacts that are visited concurrently have no moving body in common.
             schedule::each(self.contacts, |contact| unsafe {
                 self.add_block(first + contact, gamma[first + contact], sums)
             });
         }
-        // SAFETY: no other thread is at work.
-        limits.for_each(|i| unsafe { self.add_block(i, gamma[i], sums) });
     }
 
     /// Turn the sums of impulses in `out.twist` into velocities, and solve the joints.

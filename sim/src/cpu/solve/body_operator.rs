@@ -12,7 +12,7 @@ use glam::{DMat3, DVec3};
 
 impl Operator for BodyOperator<'_> {
     fn n_blocks(&self) -> usize {
-        self.contacts.len() * if self.plan.rolls { 2 } else { 1 } + self.limits.len()
+        self.contacts.len() * if self.plan.rolls { 2 } else { 1 }
     }
 
     fn response(&mut self, gamma: &[DVec3], out: &mut Response) {
@@ -110,7 +110,6 @@ impl Operator for BodyOperator<'_> {
                 let [a, b] = self.contacts.bodies[i].map(|b| b as usize);
                 masses.inv_inertia(a) + masses.inv_inertia(b)
             }
-            Block::Limit(_) => DMat3::from_diagonal(DVec3::splat(1.0 / self.eta[i])),
         }
     }
 
@@ -144,7 +143,6 @@ impl Operator for BodyOperator<'_> {
         let moving = |body: u32| (self.masses.inv_mass[body as usize] > 0.0).then_some(body);
         let bodies = |i: u32| match self.block(i as usize) {
             Block::Contact(i) | Block::Roll(i) => self.contacts.bodies[i].map(moving),
-            Block::Limit(i) => self.limits[i].bodies.map(moving),
         };
         let mut taken = vec![0; self.masses.inv_mass.len()];
         // SAFETY: no other thread is at work.

@@ -11,8 +11,11 @@
 //! C has the compliance of springs, and for rigid rows a small fraction of the diagonal, which regularises redundant rows.
 
 mod lasting;
+mod limits_that_hold;
 
-use super::motors::{Motor, Motors, Wrong};
+use super::limits::Limits;
+use super::motors::{Motor, Motors};
+use super::pivoting::Wrong;
 use super::response::Response;
 use super::sparse::{self, Factor, Front, Structure};
 use crate::cpu::masses::Masses;
@@ -26,8 +29,12 @@ use std::sync::Arc;
 pub use super::sparse::Phases;
 
 /// Compliance of a rigid row, relative to its diagonal. It distributes the load over redundant rows (two pins of a hinge, a closed ring
-/// of hinges); a chain that carries a thousand times its links' weight gives way by some 10⁻⁸ m.
+/// of hinges); a chain that carries a thousand times its links' weight gives way by some 10⁻⁸ m. What it gives way by, it gives back: straight bridges
+/// spring by it.
 const REGULARIZATION: f64 = 1e-6;
+
+/// The same of a limit: it holds against a motor without a maximum, and a beam of hinges at their limits does not spring.
+const REGULARIZATION_OF_LIMITS: f64 = 1e-9;
 
 /// The rows of a step and their factorisation.
 #[derive(Default)]
@@ -46,6 +53,10 @@ pub struct Joints {
     pub is_stiff: bool,
     /// Motors with a maximum effort.
     pub motors: Motors,
+    /// Limits that may be met, whose rows are the last of their joints.
+    pub limits: Limits,
+    /// The bias of rows that are linear, from which each round begins ([`super::pivoting`]).
+    linear_bias: Vec<f64>,
     /// Whether the factor is that of the rows as they are now: the next to factorise them need not.
     pub is_factorised: bool,
     /// Whether a body has rows (n_bodies).
@@ -130,11 +141,12 @@ impl Joints {
             return;
         }
         self.analyse_what_is_new(masses);
-        self.factorise_with_motors(masses);
+        self.factorise_with_bounds(masses);
     }
 
-    /// Factorise the rows, whose pattern is known, with motors as they are.
-    fn factorise_with_motors(&mut self, masses: &Masses) {
+    /// Factorise the rows, whose pattern is known, with motors and limits as they are.
+    fn factorise_with_bounds(&mut self, masses: &Masses) {
+        self.limits.soften(&mut self.rows, masses);
         if self.motors.soften_lagging(&mut self.rows, masses) {
             self.factorise(masses);
             let mut motors = std::mem::take(&mut self.motors);
@@ -144,6 +156,7 @@ impl Joints {
         self.motors.soften(&mut self.rows, masses);
         self.factorise(masses);
         self.motors.set_bias(&self.rows, &mut self.bias);
+        self.limits.set_bias(&mut self.bias);
     }
 
     /// Analyse the sparsity pattern of the rows, where it is not known.
@@ -157,13 +170,20 @@ impl Joints {
 
     /// Find the compliance of the rows. Returns the greatest diagonal of S without it, 1/kg or 1/(kg m²).
     fn find_softness(&mut self, masses: &Masses) -> f64 {
-        let Joints { rows, softness, part, .. } = self;
+        let Joints { rows, softness, part, limits, .. } = self;
+        let least = |row: &Row, of_diagonal: f64| {
+            let diagonal = masses.response(row).max(f64::MIN_POSITIVE);
+            ((of_diagonal / *part * diagonal).max(row.softness), diagonal)
+        };
         softness.clear();
         let mut largest = f64::MIN_POSITIVE;
         for row in &*rows {
-            let diagonal = masses.response(row).max(f64::MIN_POSITIVE);
+            let (soft, diagonal) = least(row, REGULARIZATION);
             largest = diagonal.max(largest);
-            softness.push((REGULARIZATION / *part * diagonal).max(row.softness));
+            softness.push(soft);
+        }
+        for row in limits.iter().map(|limit| limit.row as usize) {
+            softness[row] = least(&rows[row], REGULARIZATION_OF_LIMITS).0;
         }
         largest
     }
@@ -190,9 +210,36 @@ impl Joints {
         self.rows[row].speed_in(&scratch.twist).max(0.0)
     }
 
-    /// The motors that are on the wrong side of their maximum effort in a response; errors of rates of up to `error`, m/s or rad/s, are not seen.
-    pub fn wrong_motors(&self, masses: &Masses, response: &Response, error: f64) -> Vec<Wrong> {
-        self.motors.wrong(&self.rows, masses, response, error)
+    /// Number of motors with a maximum effort and of limits, and of limits.
+    pub fn n_bounds(&self) -> [usize; 2] {
+        [self.motors.len() + self.limits.len(), self.limits.len()]
+    }
+
+    /// Keep the bias of the rows, from which each round begins.
+    pub fn begin_rounds(&mut self) {
+        self.linear_bias.clone_from(&self.bias);
+    }
+
+    /// The motors that are on the wrong side of their maximum effort in a response, then the limits that would pull or be passed; errors of rates of
+    /// up to `error`, m/s or rad/s, are not seen.
+    pub fn wrong_bounds(&self, masses: &Masses, response: &Response, error: f64) -> Vec<Wrong> {
+        let mut wrong = self.motors.wrong(&self.rows, masses, response, error);
+        let limits = self.limits.wrong(&self.rows, masses, response, error);
+        let n = self.motors.len();
+        wrong.extend(limits.into_iter().map(|wrong| Wrong { index: n + wrong.index, ..wrong }));
+        wrong
+    }
+
+    /// Put bounds on their other sides, for another round.
+    pub fn pivot(&mut self, wrong: &[Wrong]) {
+        let n = self.motors.len();
+        for wrong in wrong {
+            match wrong.index.checked_sub(n) {
+                None => self.motors.set(wrong),
+                Some(index) => self.limits.set(&Wrong { index, ..*wrong }),
+            }
+        }
+        self.bias.clone_from(&self.linear_bias);
     }
 
     /// Whether the structure of the factor is another than when this was last asked.

@@ -2,7 +2,7 @@
 //!
 //! A motor that reaches the rate u* at which it aims with |λ| ≤ h τ is a row like any other. One that does not is *at its maximum*: its impulse
 //! is ± h τ whatever the joint does, a load. That is the row u + C (λ ∓ h τ) = 0 with a compliance C far above its response, so that the
-//! structure of the factor is the same. Which motors are at their maximum is found by rounds (principal pivoting; Murty 1974): those whose row
+//! structure of the factor is the same. Which motors are at their maximum is found by rounds ([`super::pivoting`]): those whose row
 //! asks for more are let go, and those that come to their rate are held ([`Motors::wrong`]).
 //!
 //! A motor of a coordinate that is behind comes back along the curve on which half of its torque would stop it in its place, v = √(τ w |e|) with
@@ -10,26 +10,19 @@
 //! with all the speed that it can gain, pass its place, and swing about it. It aims once a step: what followed the sides of others would have
 //! the rounds go on for ever, and motors of one mechanism give hundreds of times their maximum.
 
+use super::pivoting::Wrong;
 use super::response::Response;
 use crate::cpu::masses::Masses;
 use crate::joint::Row;
 
 /// Compliance of the row of a motor at its maximum, over the response of the two bodies.
-const FREE: f64 = 1e12;
+pub const FREE: f64 = 1e12;
 
 /// What is rounding, over the impulse or the rates that are compared.
 const ROUNDING: f64 = 1e-9;
 
 /// A rate, m/s or rad/s, by which a coordinate that is behind comes back anyway.
 const SLOW: f64 = 1e-9;
-
-/// Rounds of pivoting in which all bounds that are wrong may change sides; in later ones only the first does, so that the rounds come to an end.
-pub const ROUNDS: usize = 6;
-
-/// The most rounds with `n` bounds.
-pub fn most_rounds(n: usize) -> usize {
-    ROUNDS + 2 * n
-}
 
 /// A motor of a prescribed rate or coordinate with a maximum effort.
 #[derive(Clone, Copy, Debug)]
@@ -48,17 +41,6 @@ pub struct Motor {
     pub side: f64,
     /// u*: the rate at which it aims, m/s or rad/s.
     pub aim: f64,
-}
-
-/// A motor that is on the wrong side.
-#[derive(Clone, Copy, Debug)]
-pub struct Wrong {
-    /// Its index.
-    motor: usize,
-    /// Its other side.
-    side: f64,
-    /// The rate that the joint has, or is given, too much, m/s or rad/s.
-    pub excess: f64,
 }
 
 /// The motors with a maximum effort of a step, by their joints.
@@ -152,7 +134,7 @@ impl Motors {
     /// The motors that are on the wrong side in a response: those that give more than their maximum, and those that have passed their rate at it.
     /// What is less than `error`, m/s or rad/s, is not seen.
     pub fn wrong(&self, rows: &[Row], masses: &Masses, response: &Response, error: f64) -> Vec<Wrong> {
-        let of = |(i, motor): (usize, &Motor)| {
+        let of = |(index, motor): (usize, &Motor)| {
             let row = &rows[motor.row as usize];
             let (impulse, speed) = (response.lambda[motor.row as usize], row.speed_in(&response.twist));
             if motor.most == 0.0 {
@@ -165,14 +147,14 @@ impl Motors {
                 let rounding = ROUNDING * (speed.abs() + motor.aim.abs());
                 ((speed - motor.aim) * motor.side - rounding, 0.0)
             };
-            (excess > error).then_some(Wrong { motor: i, side, excess })
+            (excess > error).then_some(Wrong { index, side, excess })
         };
         self.motors.iter().enumerate().filter_map(of).collect()
     }
 
-    /// Put motors on their other sides.
-    pub fn set(&mut self, wrong: &[Wrong]) {
-        wrong.iter().for_each(|wrong| self.motors[wrong.motor].side = wrong.side);
+    /// Put a motor on its other side.
+    pub fn set(&mut self, wrong: &Wrong) {
+        self.motors[wrong.index].side = wrong.side;
     }
 }
 
