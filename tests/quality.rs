@@ -285,6 +285,7 @@ fn the_bench_of_convex_bodies_prints_its_keys() {
 #[test]
 fn sweeps_name_the_worst_contact_and_start_by_another_method() {
     let rolling = "quality: normal
+solver: {iterations: 5}
 materials: {m: {density: 2000, friction: 0.5, rolling: 0.002}}
 bodies:
   - {name: ground, material: m, plane: {normal: [0, 0, 1]}}

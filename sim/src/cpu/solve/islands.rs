@@ -11,7 +11,7 @@
 use super::bodies::BodyOperator;
 use super::cone::project_cone;
 use super::lorentz::{Scaling, longest, product, quotient};
-use super::residual::term;
+use super::operator::Operator;
 use super::response::Response;
 use super::schedule::Blocks;
 use super::sparse::{Factor, Front, Structure, dissection};
@@ -153,12 +153,20 @@ fn islands(op: &BodyOperator, slow: &Slow, gamma: &[DVec3], response: &Response)
     }
     let is_unsettled = |blocks: &[u32]| {
         let contacts = || blocks.iter().flat_map(|block| slow.all.contacts(*block));
-        let term = |i: usize| term(op, i, op.masses.eta(op.contacts, i), gamma, response).length_squared();
+        let left = |i: usize| left(op, i, slow.is_exact, gamma, response).length_squared();
         n_bodies <= FEW_BODIES
-            && contacts().map(term).sum::<f64>() > slow.error * slow.error * contacts().count() as f64
+            && contacts().map(left).sum::<f64>() > slow.error * slow.error * contacts().count() as f64
     };
     let found = islands.into_iter().zip(is_known);
     found.filter(|((_, blocks), is_known)| *is_known || is_unsettled(blocks)).map(|(island, _)| island).collect()
+}
+
+/// What is left of a contact ([`super::residual::term`]), by the exact law with the slip that it has.
+fn left(op: &BodyOperator, i: usize, is_exact: bool, gamma: &[DVec3], response: &Response) -> DVec3 {
+    let g = 1e-3 * op.masses.eta(op.contacts, i);
+    let (velocity, normal) = (op.gradient(response, i), op.contacts.normal[i]);
+    let slip = if is_exact { op.law(i).friction * (velocity - normal * velocity.dot(normal)).length() } else { 0.0 };
+    (gamma[i] - op.project(i, gamma[i] - (velocity + normal * slip) * g, gamma)) / g
 }
 
 /// The bodies that hang together, each set by its lowest body.
@@ -333,7 +341,7 @@ impl Island {
         }
     }
 
-    /// Solve. Returns whether it is solved.
+    /// Solve. Returns whether it is solved, by the exact law to its slip.
     fn solve(&mut self, op: &BodyOperator, slow: &Slow) -> bool {
         let n = self.mass.len();
         let ends: Vec<Ends> = self.blocks.iter().map(|(_, ends)| *ends).collect();
@@ -356,10 +364,10 @@ impl Island {
                 c.slip = slip;
             }
             if most <= slow.error {
-                break;
+                return true;
             }
         }
-        true
+        !slow.is_exact
     }
 
     /// Follow the path to its end. Returns whether the velocities are within an error, m/s.

@@ -234,7 +234,7 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
     /// Sweep until the residual is within the tolerance, or the maximum number of iterations. While a gap then still closes by more than its
     /// width too fast, or the residual is above `lost`, sweeps over the tiles with such gaps alternate with those over all, which are not
     /// over-relaxed, so that the last impulses are in their cones. Tiles of slow bodies whose contacts have too great a residual are swept on alone.
-    /// `solve_joints` follows every sweep.
+    /// Few contacts that are settled are swept on while the residual is above `lost`. `solve_joints` follows every sweep.
     fn sweeps(
         &mut self,
         team: &Team,
@@ -246,10 +246,13 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
     ) {
         /// Sweeps over some tiles between two over all.
         const LOCAL: u32 = 3;
+        /// Visits of contacts that cost nothing: few contacts are swept on while they are lost.
+        const CHEAP: usize = 20_000;
         let max = settings.max_iterations(n);
         let omega = settings.omega.unwrap_or(1.0);
         let of_all = if ends.closing.is_some() { omega.min(1.0) } else { omega };
-        while outcome.iterations < SolverSettings::BEYOND * max {
+        let mut is_lost = false;
+        while outcome.iterations < SolverSettings::BEYOND * max || is_lost {
             if let Some(closing) = ends.closing.filter(|_| outcome.iterations >= max) {
                 for _ in 0..LOCAL {
                     self.sweep(team, settings.friction, omega, Which::Closing(closing));
@@ -264,7 +267,9 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
                 return;
             }
             let is_enough = ends.closing.is_none_or(|most| fastest <= most && outcome.residual <= ends.lost);
-            if outcome.iterations >= max && is_enough {
+            let is_cheap = ends.settling.is_some() && outcome.iterations as usize * n < CHEAP;
+            is_lost = outcome.residual > ends.lost && is_cheap;
+            if outcome.iterations >= max && is_enough && !is_lost {
                 break;
             }
         }
