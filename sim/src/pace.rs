@@ -86,19 +86,22 @@ pub struct Coarse {
     bent: f64,
     /// [`Bend::change`] where the joints feel it: what turns evenly keeps its energy in longer steps.
     change: f64,
+    /// The same over the turn, as at a dead centre, where a light crank whirls for a step.
+    jerk: f64,
 }
 
 /// Of a whole step.
-pub const IN_STEP: Coarse = Coarse { bent: 0.04, change: 0.02 };
-/// Of a part.
-pub const IN_PART: Coarse = Coarse { bent: 0.05, change: 0.005 };
+pub const IN_STEP: Coarse = Coarse { bent: 0.04, change: 0.02, jerk: 0.05 };
+/// Of a part. What is jerked round in one is so in shorter ones.
+pub const IN_PART: Coarse = Coarse { bent: 0.05, change: 0.005, jerk: f64::INFINITY };
 /// Of parts that are to become longer.
-const GROWN: Coarse = Coarse { bent: 0.03, change: 0.003 };
+const GROWN: Coarse = Coarse { bent: 0.03, change: 0.003, jerk: f64::INFINITY };
 
 impl Coarse {
     /// Whether a step is too long for what its joints bend.
     pub fn is_too_long(&self, bend: &Bend) -> bool {
-        let is_bent = bend.change > self.change || bend.bent > self.bent || bend.is_lost;
+        let is_jerked = bend.change > self.change || bend.change > self.jerk * bend.turn;
+        let is_bent = is_jerked || bend.bent > self.bent || bend.is_lost;
         bend.is_felt() && is_bent || bend.is_lost && bend.strain > STRAIN && bend.turn > STRAINED
     }
 }
