@@ -87,10 +87,10 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
 fn push_limits(model: &Model, state: &State, (i, f): (usize, &Frames), free: &[Twist], joints: &mut Joints) {
     let (joint, h) = (&model.joints[i], model.step);
     let limits = joint.limits.filter(|_| joint.locked_at().is_none());
-    let (Some([min, max]), Some(c)) = (limits, joint.kind.coordinate()) else { return };
+    let (Some([min, _]), Some(c)) = (limits, joint.kind.coordinate()) else { return };
     let (at, free_row) = (joint.coordinate(f, &state.joints[i]), joint.free_row(f, c));
     let [a, b] = joint.bodies.map(|b| state.twist(b as usize));
-    let reach = LOOK_AHEAD * h * free_row.speeds(a, b) + near(c, max - min);
+    let reach = LOOK_AHEAD * h * free_row.speeds(a, b) + near(c);
     for is_most in [false, true] {
         // A length is never below 0, where it has no direction.
         let is_bound = is_most || c != Coordinate::Length || min > 0.0;
@@ -354,8 +354,7 @@ fn record_springs(model: &Model, state: &mut State, motion: &[Twist], outcome: &
     }
 }
 
-/// Distance from a limit within which it always has a row: a tenth of the range, at most 0.05 rad or 0.01 m.
-fn near(coordinate: Coordinate, range: f64) -> f64 {
-    let max = if coordinate == Coordinate::Angle { 0.05 } else { 0.01 };
-    (0.1 * range).min(max)
+/// Distance from a limit within which it always has a row, rad or m: what strikes a joint may bring it there within the step.
+fn near(coordinate: Coordinate) -> f64 {
+    if coordinate == Coordinate::Angle { 0.05 } else { 0.01 }
 }

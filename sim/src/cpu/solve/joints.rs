@@ -146,14 +146,16 @@ impl Joints {
 
     /// Factorise the rows, whose pattern is known, with motors and limits as they are.
     fn factorise_with_bounds(&mut self, masses: &Masses) {
-        self.limits.soften(&mut self.rows, masses);
         if self.motors.soften_lagging(&mut self.rows, masses) {
+            // A motor that presses against a limit aims at what is beyond.
+            self.limits.soften_all(&mut self.rows, masses);
             self.factorise(masses);
             let mut motors = std::mem::take(&mut self.motors);
             motors.aim(|motor, scratch| self.response_along(masses, motor, scratch));
             self.motors = motors;
         }
         self.motors.soften(&mut self.rows, masses);
+        self.limits.soften(&mut self.rows, masses);
         self.factorise(masses);
         self.motors.set_bias(&self.rows, &mut self.bias);
         self.limits.set_bias(&mut self.bias);

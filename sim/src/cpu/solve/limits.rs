@@ -71,9 +71,18 @@ impl Limits {
 
     /// Let the rows be those of limits that hold, or do not.
     pub fn soften(&self, rows: &mut [Row], masses: &Masses) {
+        self.soften_where(rows, masses, |limit| !limit.is_held);
+    }
+
+    /// Let the rows be those of limits none of which holds.
+    pub fn soften_all(&self, rows: &mut [Row], masses: &Masses) {
+        self.soften_where(rows, masses, |_| true);
+    }
+
+    fn soften_where(&self, rows: &mut [Row], masses: &Masses, is_free: impl Fn(&Limit) -> bool) {
         for limit in &self.0 {
             let row = &mut rows[limit.row as usize];
-            row.softness = if limit.is_held { 0.0 } else { FREE * masses.response(row) };
+            row.softness = if is_free(limit) { FREE * masses.response(row) } else { 0.0 };
         }
     }
 
