@@ -88,14 +88,14 @@ joints: [{{name: r, kind: distance, a: world, b: b, position: [0, 0, 0], positio
     }
 }
 
-/// Links of 0.1 m side by side along x, from the world on, whose hinges turn by 5° to either side, with a load at the end.
-fn beam(n: usize, settings: &str, load: f64) -> String {
+/// Links of 0.1 m side by side along x, from the world on, whose hinges turn by `range` degrees to either side, with a load at the end.
+fn beam(n: usize, range: f64, settings: &str, load: f64) -> String {
     let mut bodies = format!("{settings}{MATERIALS}bodies:\n");
     let mut joints = "joints:\n".to_owned();
     for i in 0..n {
         let (x, before) = (0.1 * i as f64, if i == 0 { "world".into() } else { format!("l{}", i - 1) });
         writeln!(bodies, "  - {{name: l{i}, material: m, mass: 0.2, capsule: {{radius: 0.01, length: 0.06}}, rotate: {{axis: [0, 1, 0], angle: 90}}, position: [{}, 0, 0]}}", x + 0.05).unwrap();
-        writeln!(joints, "  - {{name: h{i}, kind: revolute, a: {before}, b: l{i}, position: [{x}, 0, 0], axis: [0, 1, 0], limits: [-0.0873, 0.0873]}}").unwrap();
+        writeln!(joints, "  - {{name: h{i}, kind: revolute, a: {before}, b: l{i}, position: [{x}, 0, 0], axis: [0, 1, 0], limits: [-{range}, {range}]}}").unwrap();
     }
     if load > 0.0 {
         let x = 0.1 * n as f64;
@@ -112,21 +112,24 @@ fn beam(n: usize, settings: &str, load: f64) -> String {
 
 #[test]
 fn chains_of_hinges_at_their_limits_are_beams() {
-    // With 100 links' weight, by methods that went through the limits as they go through contacts; a beam holds within a step.
-    for (n, settings, load) in [
-        (6, "solver: {method: gauss_seidel}\n", 0.0),
-        (20, "", 20.0),
-        (20, "quality: normal\n", 20.0),
-        (20, "quality: draft\n", 20.0),
-    ] {
-        let [gained, violation] = run(&beam(n, settings, load), 1.0);
-        assert!(gained < 0.1 && violation < 1e-3, "{n}, {settings}{gained} J, {violation} rad");
+    // With 100 links' weight, by methods that went through the limits as they go through contacts; the narrow ones all hold within a step.
+    for range in [0.1, 5.0] {
+        for (n, settings, load) in [
+            (6, "solver: {method: gauss_seidel}\n", 0.0),
+            (20, "", 20.0),
+            (20, "quality: normal\n", 20.0),
+            (20, "quality: draft\n", 20.0),
+        ] {
+            let [gained, violation] = run(&beam(n, range, settings, load), 1.0);
+            // Of 200 J that fall.
+            assert!(gained < 0.5 && violation < 1e-3, "{n}, {range}, {settings}{gained} J, {violation} rad");
+        }
+        // Sixty hinges, of which one after another comes to its limit: rounds alone do not find which of them hold.
+        let [gained, violation] = run(&beam(60, range, "", 0.0), 0.5);
+        assert!(gained < 0.1 && violation < 1e-3, "{range}, {gained} J, {violation} rad");
     }
-    // Sixty hinges, of which one after another comes to its limit: rounds alone do not find which of them hold.
-    let [gained, violation] = run(&beam(60, "", 0.0), 0.5);
-    assert!(gained < 0.1 && violation < 1e-3, "{gained} J, {violation} rad");
     // At rest the wall holds the weight: 20 links of 0.2 kg, in an arc of a circle.
-    let mut sim = simulation(&beam(20, "", 0.0));
+    let mut sim = simulation(&beam(20, 0.1, "", 0.0));
     (0..3000).for_each(|_| drop(sim.step()));
     let arm: f64 = sim.state.position.iter().map(|p| p.x).sum::<f64>() / 20.0;
     let (torque, speed) = (sim.state.joints[0].torque.length(), sim.state.velocity[19].length());
@@ -145,4 +148,41 @@ joints:
     (0..1000).for_each(|_| drop(sim.step()));
     let length = sim.state.position[0].length();
     assert!((length - 0.31).abs() < 1e-5, "{length} m");
+}
+
+#[test]
+fn a_servo_that_is_sent_beyond_its_limit_presses_against_it() {
+    let mut sim = simulation(&format!(
+        "gravity: [0, 0, 0]\n{MATERIALS}bodies: [{{name: arm, material: m, mass: 10, box: {{size: [0.5, 0.05, 0.05]}}, position: [0.25, 0, 0]}}]
+joints: [{{name: s, kind: revolute, a: world, b: arm, axis: [0, 0, 1], limits: [-20, 20], motor: {{motion: {{sine: {{amplitude: 0.9, frequency: 0.5}}}}, max_torque: 200}}}}]
+"
+    ));
+    while sim.state.time < 0.8 {
+        let _ = sim.step();
+        // It is to be at 20° and more from 0.13 to 0.87 s, and turns back at 0.5 s.
+        let joint = &sim.state.joints[0];
+        if sim.state.time > 0.3 {
+            assert!((joint.effort - 200.0).abs() < 1e-9 && joint.rate.abs() < 1e-9, "{} s: {joint:?}", sim.state.time);
+        }
+        assert!(joint.coordinate < 20f64.to_radians() + 1e-6, "{} s: {joint:?}", sim.state.time);
+    }
+}
+
+#[test]
+fn narrow_ranges_hold_against_what_comes_at_once() {
+    // 3 kN on 1 kg, which could go by 3 mm in the first step: a slide with a millimetre to either side, or one to one side alone, and a link.
+    for (joint, limits) in [
+        ("kind: prismatic, axis: [1, 0, 0]", "[-0.001, 0.001]"),
+        ("kind: prismatic, axis: [1, 0, 0]", "[-0.01, 0.001]"),
+        ("kind: distance, position: [-1, 0, 0], position_b: [0, 0, 0]", "[0.999, 1.001]"),
+    ] {
+        let yaml = format!(
+            "gravity: [0, 0, 0]\n{MATERIALS}bodies: [{{name: b, material: m, mass: 1, sphere: {{radius: 0.03}}}}]
+joints: [{{name: s, {joint}, a: world, b: b, limits: {limits}}}]
+loads: [{{body: b, force: [1, 0, 0], value: 3000, from: 0.01}}]
+"
+        );
+        let [_, violation] = run(&yaml, 0.1);
+        assert!(violation < 1e-6, "{joint}, {limits}: {violation} m");
+    }
 }

@@ -8,7 +8,7 @@ use frame::{Fault, FaultKind, atomic};
 use std::path::{Path, PathBuf};
 
 /// The version of the format.
-const VERSION: u32 = 17;
+const VERSION: u32 = 18;
 
 /// The first line of a checkpoint.
 fn head() -> String {

@@ -158,6 +158,8 @@ pub struct JointState {
     pub violation: f64,
     /// Sign of the effort of a motor that was at its maximum; 0 otherwise.
     pub motor_side: f64,
+    /// Whether the minimum and the maximum limit held in the last step.
+    pub held: [bool; 2],
     /// Torque, N m, or force, N, of what drives the joint on B along the coordinate: a motor, or a length that changes.
     pub effort: f64,
     /// The work that this has done so far, J.

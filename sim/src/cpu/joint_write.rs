@@ -12,6 +12,7 @@
 use super::geometric_stiffness::{Stiffness, Target, has_light_links, spring_forces};
 use super::masses::Masses;
 use super::solve::joints::Joints;
+use super::solve::limits::Limit;
 use super::solve::motors::Motor;
 use super::solve::response::Response;
 use crate::joint::{Coordinate, Frames, Joint, JointState, Row, Spring, SpringState};
@@ -85,6 +86,8 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
 
 /// Write the rows of the limits of a joint with the frames `f` that may be met in the step; `free` are the velocities without joints.
 fn push_limits(model: &Model, state: &State, (i, f): (usize, &Frames), free: &[Twist], joints: &mut Joints) {
+    /// Distance from a limit at which a joint is there, m or rad.
+    const AT: f64 = 1e-7;
     let (joint, h) = (&model.joints[i], model.step);
     let limits = joint.limits.filter(|_| joint.locked_at().is_none());
     let (Some([min, _]), Some(c)) = (limits, joint.kind.coordinate()) else { return };
@@ -101,7 +104,12 @@ fn push_limits(model: &Model, state: &State, (i, f): (usize, &Frames), free: &[T
         let back = model.solver.recovery_speed * h;
         let kept = kept(model, state, &row).min(row.psi + back).min(0.0);
         let rate = (row.psi - kept) / h;
-        joints.limits.push([i as u32, joints.rows.len() as u32], is_most, (rate, row.speed_in(free)), h);
+        // What a joint is at holds or not as in the last step; it is taken to come to what it would pass without joints.
+        let was_held = state.joints[i].held[usize::from(is_most)];
+        let is_there = state.steps > 0 && row.psi <= AT;
+        let is_held = was_held || !is_there && rate + row.speed_in(free) < AT / h;
+        let limit = Limit { joint: i as u32, row: joints.rows.len() as u32, is_most, is_held, rate, curve: 0.0 };
+        joints.limits.push(limit);
         joints.rows.push(row);
         joints.kept.push(kept);
         joints.bias.push(rate);
@@ -279,6 +287,7 @@ fn record_joints(
             force_before: known.force_world,
             motor_side: joints.motors.of_joint(i as u32).map_or(0.0, |motor| motor.side),
             work: known.work,
+            held: [false, true].map(|is_most| limits.iter().any(|limit| limit.is_most == is_most && limit.is_held)),
             ..JointState::default()
         };
         if let Some(c) = joint.kind.coordinate() {

@@ -12,8 +12,6 @@ use crate::joint::Row;
 const ROUNDING: f64 = 1e-9;
 /// The same without any speed, m/s or rad/s.
 const LEAST: f64 = 1e-10;
-/// Distance from a limit at which a joint is there, m or rad.
-const AT: f64 = 1e-7;
 
 /// A limit that may be met in the step.
 #[derive(Clone, Copy, Debug)]
@@ -42,10 +40,9 @@ impl Limits {
         self.0.clear();
     }
 
-    /// Add a limit with its bias `rate` and the rate `speed` of its row without joints: where that would pass it, it is taken to hold.
-    pub fn push(&mut self, [joint, row]: [u32; 2], is_most: bool, (rate, speed): (f64, f64), step: f64) {
-        let is_held = speed + rate < AT / step;
-        self.0.push(Limit { joint, row, is_most, is_held, rate, curve: 0.0 });
+    /// Add a limit.
+    pub fn push(&mut self, limit: Limit) {
+        self.0.push(limit);
     }
 
     /// Number of limits.
