@@ -38,7 +38,6 @@ use super::solve::iterates::Iterates;
 use super::solve::joints::Joints;
 use super::solve::operator::Operator;
 use super::solve::overlaps::{self, Displacement};
-use super::solve::pivoting::{Next, Rounds};
 use super::solve::residual::{residual, worst_block};
 use super::solve::response::Response;
 use super::solve::support;
@@ -115,23 +114,18 @@ pub fn run(
     mut columns: Columns,
     work: &mut Workspace,
 ) -> (Outcome, Option<[u32; 2]>) {
-    let n_bounds = columns.joints.n_bounds();
     columns.joints.begin_rounds();
-    let (mut rounds, mut iterations) = (Rounds::default(), 0);
+    let mut iterations = 0;
     loop {
         work.arcs.bend = Bend::default();
         let (mut outcome, worst) = solve_once((model, plan, state), contacts, columns.again(), work);
         iterations += outcome.iterations;
         outcome.iterations = iterations;
-        let wrong = columns.joints.wrong_bounds(columns.masses, columns.response, 0.0);
-        match rounds.next(&wrong, n_bounds) {
-            Next::End => {
-                // Bounds without a side are a solve that has not converged.
-                outcome.residual = wrong.iter().fold(outcome.residual, |most, wrong| wrong.excess.max(most));
-                return (outcome, worst);
-            }
-            Next::Turn(n) => columns.joints.pivot(&wrong[..n]),
-            Next::Settle { is_first } => columns.joints.settle_limits(columns.masses, columns.response, is_first),
+        let (is_another, excess) = columns.joints.end_round(columns.masses, columns.response, 0.0);
+        if !is_another {
+            // Bounds without a side are a solve that has not converged.
+            outcome.residual = outcome.residual.max(excess);
+            return (outcome, worst);
         }
     }
 }

@@ -279,9 +279,7 @@ impl Target<'_> {
 
     /// Add to the mass across a link.
     fn resist(&mut self, row: &Row, added: f64) {
-        self.joints.rows.push(Row { softness: 1.0 / added, ..*row });
-        self.joints.kept.push(0.0);
-        self.joints.bias.push(-row.speed_in(self.free));
+        self.joints.push(Row { softness: 1.0 / added, ..*row }, 0.0, -row.speed_in(self.free));
     }
 }
 

@@ -110,9 +110,7 @@ fn push_limits(model: &Model, state: &State, (i, f): (usize, &Frames), free: &[T
         let is_held = was_held || !is_there && rate + row.speed_in(free) < AT / h;
         let limit = Limit { joint: i as u32, row: joints.rows.len() as u32, is_most, is_held, rate, curve: 0.0 };
         joints.limits.push(limit);
-        joints.rows.push(row);
-        joints.kept.push(kept);
-        joints.bias.push(rate);
+        joints.push(row, kept, rate);
     }
 }
 
@@ -157,9 +155,7 @@ fn push_springs(model: &Model, state: &State, Target { masses, free, joints }: T
             let damping = c + theta * h * k;
             if damping > 0.0 {
                 // λ = −h (tension + damping u), or u + λ/(h damping) + tension/damping = 0.
-                joints.rows.push(Row { softness: 1.0 / (h * damping), ..row });
-                joints.kept.push(0.0);
-                joints.bias.push(tension / damping);
+                joints.push(Row { softness: 1.0 / (h * damping), ..row }, 0.0, tension / damping);
             } else {
                 masses.apply_row_impulse(free, &row, -h * tension);
             }

@@ -14,7 +14,6 @@ use super::integrate::moved_pose;
 use super::masses::Masses;
 use super::solve::bodies::Falling;
 use super::solve::joints::{Joints, Reduced, on_body};
-use super::solve::pivoting::{Next, Rounds};
 use super::solve::response::Response;
 use super::{force, joint_write};
 use crate::joint::Row;
@@ -37,9 +36,7 @@ pub struct Mechanism {
     pub joints: Joints,
     /// Their factorisation for single precision.
     pub reduced: Reduced,
-    /// Rounds of this step, in which limits or motors have changed.
-    rounds: Rounds,
-    /// The greatest rate by which a limit or a motor is on the wrong side after the last of them, m/s or rad/s.
+    /// The greatest rate by which a limit or a motor is on the wrong side after the last round of the step, m/s or rad/s.
     unsettled: f64,
     /// Velocities with joints (n_bodies; of these bodies alone).
     response: Response,
@@ -91,7 +88,7 @@ impl Mechanism {
         force::apply(model, state, masses, free);
         joint_write::run(model, state, masses, joint_write::Output { start, joints, free });
         joints.begin_rounds();
-        (self.rounds, self.unsettled) = (Rounds::default(), 0.0);
+        self.unsettled = 0.0;
         self.hold(model, state)
     }
 
@@ -109,7 +106,7 @@ impl Mechanism {
 
     /// Whether there are limits that may be met in the step, or motors with a maximum effort.
     pub fn has_bounds(&self) -> bool {
-        self.joints.n_bounds()[0] > 0
+        self.joints.n_bounds() > 0
     }
 
     /// Let go of the limits that would pull with what the contacts do, and hold those that would be passed; the same of motors, which would give more
@@ -121,14 +118,9 @@ impl Mechanism {
         self.respond(effects);
         let fastest = self.bodies.iter().map(|b| self.twist(*b)).map(|t| t.v.length().max(t.w.length()));
         let fastest = fastest.fold(0.0, f64::max);
-        let wrong = self.joints.wrong_bounds(&self.masses, &self.response, ROUNDING * fastest);
-        self.unsettled = wrong.iter().fold(0.0, |most, wrong| wrong.excess.max(most));
-        match self.rounds.next(&wrong, self.joints.n_bounds()) {
-            Next::End => return None,
-            Next::Turn(n) => self.joints.pivot(&wrong[..n]),
-            Next::Settle { is_first } => self.joints.settle_limits(&self.masses, &mut self.response, is_first),
-        }
-        Some(self.hold(model, state))
+        let is_another;
+        (is_another, self.unsettled) = self.joints.end_round(&self.masses, &mut self.response, ROUNDING * fastest);
+        is_another.then(|| self.hold(model, state))
     }
 
     /// The velocities that impulses on the bodies give, with their joints.

@@ -12,8 +12,10 @@ use super::bodies::BodyOperator;
 use super::cone::project_cone;
 use super::lorentz::{Scaling, longest, product, quotient};
 use super::operator::Operator;
+use super::residual::term_of;
 use super::response::Response;
 use super::schedule::Blocks;
+use super::slip;
 use super::sparse::{Factor, Front, Structure, dissection};
 use crate::contacts::tangents;
 use crate::disjoint_sets::DisjointSets;
@@ -163,10 +165,9 @@ fn islands(op: &BodyOperator, slow: &Slow, gamma: &[DVec3], response: &Response)
 
 /// What is left of a contact ([`super::residual::term`]), by the exact law with the slip that it has.
 fn left(op: &BodyOperator, i: usize, is_exact: bool, gamma: &[DVec3], response: &Response) -> DVec3 {
-    let g = 1e-3 * op.masses.eta(op.contacts, i);
-    let (velocity, normal) = (op.gradient(response, i), op.contacts.normal[i]);
-    let slip = if is_exact { op.law(i).friction * (velocity - normal * velocity.dot(normal)).length() } else { 0.0 };
-    (gamma[i] - op.project(i, gamma[i] - (velocity + normal * slip) * g, gamma)) / g
+    let gradient = op.gradient(response, i);
+    let slip = if is_exact { slip::of_block(op, i, gradient) } else { 0.0 };
+    term_of(op, i, op.masses.eta(op.contacts, i), gamma, gradient + op.contacts.normal[i] * slip)
 }
 
 /// The bodies that hang together, each set by its lowest body.

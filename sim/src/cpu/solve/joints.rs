@@ -15,7 +15,7 @@ mod limits_that_hold;
 
 use super::limits::Limits;
 use super::motors::{Motor, Motors};
-use super::pivoting::Wrong;
+use super::pivoting::{Next, Rounds, Wrong};
 use super::response::Response;
 use super::sparse::{self, Factor, Front, Structure};
 use crate::cpu::masses::Masses;
@@ -55,7 +55,8 @@ pub struct Joints {
     pub motors: Motors,
     /// Limits that may be met, whose rows are the last of their joints.
     pub limits: Limits,
-    /// The bias of rows that are linear, from which each round begins ([`super::pivoting`]).
+    /// The rounds of the step, and the bias of rows that are linear, from which each begins ([`super::pivoting`]).
+    rounds: Rounds,
     linear_bias: Vec<f64>,
     /// Whether the factor is that of the rows as they are now: the next to factorise them need not.
     pub is_factorised: bool,
@@ -212,19 +213,40 @@ impl Joints {
         self.rows[row].speed_in(&scratch.twist).max(0.0)
     }
 
-    /// Number of motors with a maximum effort and of limits, and of limits.
-    pub fn n_bounds(&self) -> [usize; 2] {
-        [self.motors.len() + self.limits.len(), self.limits.len()]
+    /// Number of motors with a maximum effort, and of limits.
+    pub fn n_bounds(&self) -> usize {
+        self.motors.len() + self.limits.len()
     }
 
     /// Keep the bias of the rows, from which each round begins.
     pub fn begin_rounds(&mut self) {
+        self.rounds = Rounds::default();
         self.linear_bias.clone_from(&self.bias);
+    }
+
+    /// End a round that has come to a response, in which errors of rates of up to `error`, m/s or rad/s, are not seen: bounds on the wrong side change.
+    /// Returns whether there is another round, and the greatest excess of a bound, m/s or rad/s. The response may be lost where there is.
+    pub fn end_round(&mut self, masses: &Masses, response: &mut Response, error: f64) -> (bool, f64) {
+        let wrong = self.wrong_bounds(masses, response, error);
+        let next = self.rounds.next(&wrong, [self.n_bounds(), self.limits.len()]);
+        match next {
+            Next::End => {}
+            Next::Turn(n) => self.pivot(&wrong[..n]),
+            Next::Settle { is_first } => self.settle_limits(masses, response, is_first),
+        }
+        (next != Next::End, wrong.iter().fold(0.0, |most, wrong| wrong.excess.max(most)))
+    }
+
+    /// Append a row of which the step leaves `kept` of Ψ, m or rad, with its bias, m/s or rad/s.
+    pub fn push(&mut self, row: Row, kept: f64, bias: f64) {
+        self.rows.push(row);
+        self.kept.push(kept);
+        self.bias.push(bias);
     }
 
     /// The motors that are on the wrong side of their maximum effort in a response, then the limits that would pull or be passed; errors of rates of
     /// up to `error`, m/s or rad/s, are not seen.
-    pub fn wrong_bounds(&self, masses: &Masses, response: &Response, error: f64) -> Vec<Wrong> {
+    fn wrong_bounds(&self, masses: &Masses, response: &Response, error: f64) -> Vec<Wrong> {
         let mut wrong = self.motors.wrong(&self.rows, masses, response, error);
         let limits = self.limits.wrong(&self.rows, masses, response, error);
         let n = self.motors.len();
@@ -233,7 +255,7 @@ impl Joints {
     }
 
     /// Put bounds on their other sides, for another round.
-    pub fn pivot(&mut self, wrong: &[Wrong]) {
+    fn pivot(&mut self, wrong: &[Wrong]) {
         let n = self.motors.len();
         for wrong in wrong {
             match wrong.index.checked_sub(n) {

@@ -8,8 +8,13 @@ use glam::DVec3;
 /// Residual term of a block: `(γ − Π(γ − g (Nγ + r))) / g` with g = 10⁻³ η, m/s (rad/s for rolling blocks).
 #[inline]
 pub fn term(op: &impl Operator, i: usize, eta: f64, gamma: &[DVec3], response: &Response) -> DVec3 {
+    term_of(op, i, eta, gamma, op.gradient(response, i))
+}
+
+/// [`term`] of a gradient Nγ + r, m/s.
+#[inline]
+pub fn term_of(op: &impl Operator, i: usize, eta: f64, gamma: &[DVec3], gradient: DVec3) -> DVec3 {
     let g = 1e-3 * eta;
-    let gradient = op.gradient(response, i);
     (gamma[i] - op.project(i, gamma[i] - gradient * g, gamma)) / g
 }
 

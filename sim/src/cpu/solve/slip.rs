@@ -25,12 +25,15 @@ pub fn set_feedback(op: &mut impl Operator, settings: &SolverSettings, gamma: &[
 /// Slip μ |v_t| of every block, m/s, from the response of γ, without the slip feedback.
 pub fn measure(op: &impl Operator, response: &Response, n_blocks: usize) -> Vec<f64> {
     let mut slip = vec![0.0; n_blocks];
-    fill_rows(&mut slip, |i| {
-        let (mu, normal) = op.friction(i);
-        let v = op.gradient(response, i);
-        mu * (v - normal * v.dot(normal)).length()
-    });
+    fill_rows(&mut slip, |i| of_block(op, i, op.gradient(response, i)));
     slip
+}
+
+/// Slip μ |v_t| of a block with the gradient `v`, m/s.
+#[inline]
+pub fn of_block(op: &impl Operator, i: usize, v: DVec3) -> f64 {
+    let (mu, normal) = op.friction(i);
+    mu * (v - normal * v.dot(normal)).length()
 }
 
 /// Leave out the slip of blocks that hardly slip, and of those that stick, whose multipliers are within their cones: it is that of the

@@ -37,7 +37,7 @@ impl Joints {
         }
         self.analyse_what_is_new(masses);
         let is_large = self.factor.work() >= WORTH * self.factor.n_numbers() as u64;
-        let lasts = is_large && self.n_bounds()[0] == 0 && !self.is_stiff && !self.is_light;
+        let lasts = is_large && self.n_bounds() == 0 && !self.is_stiff && !self.is_light;
         let is_own = |of: &Arc<Factorised>| self.of.as_ref().is_some_and(|own| Arc::ptr_eq(own, of));
         let is_near = lasts && turned <= reach;
         let Some(of) = of.filter(|of| is_near && (is_own(of) || of.is_of(&self.rows, masses))) else {

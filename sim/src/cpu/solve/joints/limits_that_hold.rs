@@ -30,7 +30,7 @@ struct Point {
 impl Joints {
     /// Let those limits hold that do so with what else acts on the bodies of a response, for another round. Rows are linear, or on the arcs of the last
     /// round. The response is lost.
-    pub fn settle_limits(&mut self, masses: &Masses, response: &mut Response, is_linear: bool) {
+    pub(super) fn settle_limits(&mut self, masses: &Masses, response: &mut Response, is_linear: bool) {
         if is_linear {
             self.bias.clone_from(&self.linear_bias);
             self.motors.set_bias(&self.rows, &mut self.bias);
